@@ -1,0 +1,1 @@
+"""Compares the guess with the truth."""

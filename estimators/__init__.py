@@ -1,0 +1,1 @@
+"""Guess the pose from what was seen. Never sees Truth."""

@@ -1,0 +1,1 @@
+"""Makes sensors see what ``scenes`` describes. The only package that knows Mitsuba."""

@@ -1,0 +1,87 @@
+"""What a chaser would have (``Observation``) and what only the judge has (``Truth``): two types, so that a leak is a type error."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from scenes.arrays import Floats
+from scenes.intrinsics import Intrinsics
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Image:
+    """One camera's picture: ``pixels`` (height, width), uint8 or uint16, in DN."""
+
+    pixels: NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """Everything that an estimator sees at one instant: its frame number, the time, the sensors' readings."""
+
+    frame: int
+    time_s: float
+    images: Mapping[str, Image] = field(default_factory=lambda: MappingProxyType({}))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorModel:
+    """What calibration says of a camera: geometry and the ends of its scale, ``black_dn`` and ``white_dn``."""
+
+    intrinsics: Intrinsics
+    black_dn: float
+    white_dn: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CornerPrior:
+    """Where a human operator clicked: corner pixels P1..P4 (4, 2) of the first frame, with isotropic ``sigma_px`` each."""
+
+    sensor: str
+    corners_px: Floats
+    sigma_px: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rectangle:
+    """What a method may know of its rectangle without its size.
+
+    ``target_from_feature``: how the rectangle's axes (X normal, Y length, Z width) lie in the target frame.
+    ``gap``: fractions of the length between which the long edges do not exist. ``free_standing``: open space lies
+    outside its edges. ``aspect``: L/W where a suite grants it, else None.
+    """
+
+    name: str
+    target_from_feature: Rotation
+    gap: tuple[float, float] | None = None
+    free_standing: bool = False
+    aspect: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """Everything that an estimator is told in advance. It is printed beside its score."""
+
+    sensors: Mapping[str, SensorModel]
+    rectangle: Rectangle | None = None
+    corner_prior: CornerPrior | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Truth:
+    """What only the judge has: ``sensor_from_target`` per sensor at mid-exposure, and the row of the truth table."""
+
+    frame: int
+    time_s: float
+    sensor_from_target: Mapping[str, RigidTransform]
+    row: Mapping[str, Mapping[str, float]]
+
+
+def grey(image: Image) -> NDArray[np.float32]:
+    """The picture as float32 DN, for arithmetic."""
+    return image.pixels.astype(np.float32)

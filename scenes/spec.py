@@ -1,0 +1,16 @@
+"""The base of everything a person writes: frozen, strict about keys, silent about nothing."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0)]
+NonNegative = Annotated[float, Field(ge=0)]
+Fraction = Annotated[float, Field(ge=0, le=1)]
+Vector3 = tuple[float, float, float]
+
+
+class Spec(BaseModel):
+    """A frozen description that forbids unknown keys, NaN and infinity."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=False, validate_default=True)
