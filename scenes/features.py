@@ -1,7 +1,8 @@
 """Named features of a target: the geometry an estimator may be told to look for.
 
-A rectangle's corners are in the order of Zhai et al. 2014, eq. (2): P1, P2 = P1 + L·e1, P3 = P1 + W·e2, P4 = P1 + L·e1 + W·e2
-(Z-order, not cyclic). Seen from outside along −normal with e2 up: P1 bottom left, P2 bottom right, P3 top left, P4 top right.
+A rectangle's corners are in the order of Zhai et al. 2014, eq. (2): P1, P2 = P1 + L·e1, P3 = P1 + W·e2,
+P4 = P1 + L·e1 + W·e2 (Z-order, not cyclic). Seen from outside along −normal with e2 up: P1 bottom left, P2 bottom
+right, P3 top left, P4 top right.
 """
 
 from typing import Literal

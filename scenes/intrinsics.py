@@ -33,7 +33,7 @@ class Intrinsics:
     @property
     def matrix(self) -> Floats:
         """K, (3, 3): pixel = K · (x/z, y/z, 1) of the distorted normalised point."""
-        return frozen([[self.fx_px, 0, self.cx_px], [0, self.fy_px, self.cy_px], [0, 0, 1]])
+        return frozen(np.array([[self.fx_px, 0.0, self.cx_px], [0.0, self.fy_px, self.cy_px], [0.0, 0.0, 1.0]]))
 
     @property
     def is_distorted(self) -> bool:
@@ -49,7 +49,7 @@ class Intrinsics:
     def pixels_from_normalised(self, normalised: ArrayLike) -> Floats:
         """Pixels (..., 2) of ideal normalised image points (x/z, y/z), distortion applied."""
         bent = self._distort(np.asarray(normalised, dtype=np.float64))
-        return bent * np.array([self.fx_px, self.fy_px]) + np.array([self.cx_px, self.cy_px])
+        return np.asarray(bent * np.array([self.fx_px, self.fy_px]) + np.array([self.cx_px, self.cy_px]))
 
     def normalised_from_pixels(self, pixels: ArrayLike) -> Floats:
         """Ideal normalised points (..., 2) of pixels (..., 2): distortion removed by a Newton iteration."""

@@ -1,4 +1,7 @@
-"""What a chaser would have (``Observation``) and what only the judge has (``Truth``): two types, so that a leak is a type error."""
+"""What a chaser would have (``Observation``) and what only the judge has (``Truth``).
+
+Two types, so that leaking the answer is a type error.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
