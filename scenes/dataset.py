@@ -1,0 +1,139 @@
+"""The only data set reader: what an estimator may see and what only the judge may, each checked against its digest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.assets import with_assets_in
+from scenes.dataset_frame import read_frame_json, truth_of
+from scenes.dataset_layout import TRUTH_TABLE, frame_folder, image_name, layers_name
+from scenes.dataset_manifest import Manifest, read_manifest, sensor_model
+from scenes.dataset_writer import missing_sentence
+from scenes.errors import DatasetError
+from scenes.exr import decode
+from scenes.features import RectangleFeature
+from scenes.provenance import sha256_of_bytes
+from scenes.recording import Image, Observation, SensorModel, Truth
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """A complete data set in a folder."""
+
+    path: Path
+    manifest: Manifest
+
+    @classmethod
+    def open(cls, path: Path) -> Dataset:
+        """Opens a data set whose frames are all there. Raises ``DatasetError`` saying what is missing or broken."""
+        manifest = read_manifest(path)
+        missing = [frame for frame in manifest.selected if not frame_folder(path, frame).is_dir()]
+        if missing:
+            raise DatasetError(missing_sentence(path, missing, manifest.frame_count))
+        if not (path / TRUTH_TABLE).is_file():
+            raise DatasetError(f"{path}: {TRUTH_TABLE} is missing; write it with --resume")
+        return cls(path, manifest)
+
+    @property
+    def frames(self) -> list[int]:
+        """The frame numbers, ascending."""
+        return list(self.manifest.selected)
+
+    @property
+    def identity(self) -> str:
+        """The digest that predictions are tied to."""
+        return self.manifest.identity
+
+    @property
+    def scenario(self) -> dict[str, Any]:
+        """The resolved scenario, its mesh paths pointing into this folder: enough to render any frame again."""
+        return dict(with_assets_in(self.manifest.scenario, self.path))
+
+    @cached_property
+    def sensors(self) -> Mapping[str, SensorModel]:
+        """Camera → calibration."""
+        where = self.path / "manifest.json"
+        models = {name: sensor_model(entry, f"{where}: sensors.{name}") for name, entry in self.manifest.sensors.items()}
+        return MappingProxyType(models)
+
+    @cached_property
+    def features(self) -> tuple[RectangleFeature, ...]:
+        """The target's named rectangles."""
+        target = self.manifest.scenario.get("target")
+        features = target.get("features", []) if isinstance(target, dict) else []
+        tables = [entry for entry in features or [] if isinstance(entry, dict)]  # type: ignore[union-attr]
+        return tuple(RectangleFeature.model_validate(entry) for entry in tables if entry.get("type") == "rectangle")
+
+    def observation(self, frame: int) -> Observation:
+        """What the chaser has at one frame. Raises ``DatasetError`` on a missing, truncated or edited file."""
+        body = self._body(frame)
+        images = {name: Image(self._image(frame, name, body)) for name in self.manifest.sensors}
+        return Observation(frame, float(body["time_s"]), MappingProxyType(images))
+
+    def truth(self, frame: int) -> Truth:
+        """What only the judge has."""
+        return truth_of(self._body(frame))
+
+    def state(self, frame: int) -> dict[str, Any]:
+        """What else the renderer recorded of a frame: motion state, light, exposure."""
+        return dict(self._body(frame)["state"])
+
+    def truth_table(self) -> pd.DataFrame:
+        """truth.parquet: one row per (frame, sensor)."""
+        import pandas as pd
+
+        try:
+            return pd.read_parquet(self.path / TRUTH_TABLE)
+        except (OSError, ValueError) as error:
+            raise DatasetError(f"{self.path / TRUTH_TABLE}: it is truncated or edited ({error})") from None
+
+    def layers(self, frame: int, camera: str) -> dict[str, NDArray[Any]]:
+        """Layer name → (height, width), float32 or uint32."""
+        name = layers_name(camera)
+        data = self._file(frame, name, self._body(frame))
+        try:
+            return decode(data)
+        except ValueError as error:
+            raise DatasetError(f"{frame_folder(self.path, frame) / name}: {error}") from None
+
+    def image_path(self, frame: int, camera: str) -> Path:
+        """The PNG of one frame and camera."""
+        return frame_folder(self.path, frame) / image_name(camera)
+
+    def _body(self, frame: int) -> dict[str, Any]:
+        if frame not in self.manifest.selected:
+            raise DatasetError(f"{self.path}: it has no frame {frame}, only {self.manifest.selected}")
+        return read_frame_json(self.path, frame)
+
+    def _image(self, frame: int, camera: str, body: Mapping[str, Any]) -> NDArray[Any]:
+        data = self._file(frame, image_name(camera), body)
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        size = self.sensors[camera].intrinsics
+        if pixels is None or pixels.shape != (size.height_px, size.width_px):
+            shape = None if pixels is None else pixels.shape
+            raise DatasetError(f"{self.image_path(frame, camera)}: its shape is {shape}, not {(size.height_px, size.width_px)}")
+        pixels.flags.writeable = False
+        return np.asarray(pixels)
+
+    def _file(self, frame: int, name: str, body: Mapping[str, Any]) -> bytes:
+        path = frame_folder(self.path, frame) / name
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            raise DatasetError(f"{path}: cannot read it: {error.strerror}") from None
+        stated, found = body["files"].get(name), sha256_of_bytes(data)
+        if stated != found:
+            raise DatasetError(f"{path}: its digest is {found}, frame.json states {stated}: it was truncated or edited")
+        return data
