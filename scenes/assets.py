@@ -34,22 +34,37 @@ def load_mesh(path: Path, scale: float = 1.0) -> Mesh:
     Triangles without an area are left out. Raises ``AssetError`` where the file is missing, broken, empty, has a NaN or an
     index out of range, or no triangle with an area.
     """
+    mesh = _load(path, *_stamp(path))
+    return mesh if scale == 1.0 else Mesh(frozen(mesh.vertices_m * scale), mesh.faces)
+
+
+def check_mesh(path: Path) -> None:
+    """Raises ``AssetError`` where ``load_mesh`` would."""
+    _load(path, *_stamp(path))
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """When the file was changed and its size: what makes a cached mesh out of date."""
     try:
         stamp = path.stat()
     except OSError as error:
         raise AssetError(f"{path}: cannot read the mesh: {error.strerror}") from None
-    return _load(path, scale, stamp.st_mtime_ns, stamp.st_size)
+    except ValueError as error:
+        raise AssetError(f"{str(path)!r}: it is no path ({error})") from None
+    if not path.is_file():
+        raise AssetError(f"{path}: it is a directory or a device, not a mesh file")
+    return stamp.st_mtime_ns, stamp.st_size
 
 
 @lru_cache(maxsize=64)
-def _load(path: Path, scale: float, _changed_ns: int, size: int) -> Mesh:
+def _load(path: Path, _changed_ns: int, size: int) -> Mesh:
     if path.suffix.lower() not in FORMATS:
         allowed = ", ".join(FORMATS)
         raise AssetError(f"{path}: {path.suffix!r} is no mesh format we read{nearest(path.suffix, FORMATS)} (there are: {allowed})")
     if size > LARGEST_BYTES:
         raise AssetError(f"{path}: the mesh file has {size / 2**20:.0f} MB, at most {LARGEST_BYTES // 2**20} MB are read")
     vertices, faces = _triangles(path)
-    return _checked(path, vertices * scale, faces)
+    return _checked(path, vertices, faces)
 
 
 def _triangles(path: Path) -> tuple[Floats, NDArray[np.int64]]:

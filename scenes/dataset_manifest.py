@@ -128,7 +128,7 @@ def differences(there: Manifest, here: Manifest) -> list[str]:
 def calibration(model: SensorModel, **more: Any) -> dict[str, Any]:
     """A camera's entry of ``Manifest.sensors``; ``more`` is kept beside it (bits, mount, ...)."""
     intrinsics = {name: getattr(model.intrinsics, name) for name in Intrinsics.__dataclass_fields__}
-    return _plain({**more, **intrinsics, "black_dn": model.black_dn, "white_dn": model.white_dn})
+    return dict(_plain({**more, **intrinsics, "black_dn": model.black_dn, "white_dn": model.white_dn}))
 
 
 def sensor_model(entry: Mapping[str, Any], where: str) -> SensorModel:

@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 
 from scenes.atomic import disk_errors, publish_file, publish_folder, sweep
 from scenes.dataset_frame import FrameRecord, frame_json
-from scenes.dataset_layout import ASSETS, FRAME_FILE, FRAMES, MANIFEST, TEMPORARY, TRUTH_TABLE, frame_folder, image_name, layers_name
+from scenes.dataset_layout import (
+    ASSETS,
+    FRAME_FILE,
+    FRAMES,
+    MANIFEST,
+    TEMPORARY,
+    TRUTH_TABLE,
+    frame_folder,
+    image_name,
+    layers_name,
+)
 from scenes.dataset_manifest import Manifest, differences, read_manifest
 from scenes.dataset_truth import truth_table_bytes
 from scenes.errors import DatasetConflict, DatasetError

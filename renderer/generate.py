@@ -1,0 +1,171 @@
+"""Scenario + frames → data set: the only loop over frames."""
+
+import multiprocessing
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from renderer.masks import Light
+from renderer.photograph import Photographer
+from renderer.quality import PRESETS
+from renderer.variant import Backend, probe
+from scenes.dataset_frame import FrameRecord
+from scenes.dataset_manifest import Manifest, calibration
+from scenes.dataset_writer import DatasetWriter
+from scenes.scenario import Quality, Scenario, Scene, realize
+
+Progress = Callable[[int, int], None]
+
+
+def generate(
+    scenario: Scenario,
+    out: Path,
+    *,
+    frames: range | None = None,
+    seed: int | None = None,
+    workers: int = 1,
+    resume: bool = False,
+    quality: Quality | None = None,
+    progress: Progress | None = None,
+) -> None:
+    """Renders ``frames`` (default: all) of ``scenario`` into the data set folder ``out``.
+
+    ``seed`` and ``quality`` replace the scenario's own. The bytes do not depend on ``workers``, order or interruptions.
+    ``progress(done, total)`` is called after each frame. Raises ``DatasetConflict`` where ``out`` holds something else.
+    """
+    scenario = _settled(scenario, seed, quality)
+    selected = frames if frames is not None else range(scenario.frame_count)
+    writer = DatasetWriter.open(out, manifest_of(scenario, selected, probe()), resume=resume)
+    missing = writer.missing()
+    report = progress or (lambda _done, _total: None)
+    done = len(selected) - len(missing)
+    report(done, len(selected))
+    for _ in _rendered(writer, scenario, missing, workers):
+        done += 1
+        report(done, len(selected))
+    writer.finish()
+
+
+def _settled(scenario: Scenario, seed: int | None, quality: Quality | None) -> Scenario:
+    changes: dict[str, Any] = {} if seed is None else {"seed": seed}
+    changes |= {} if quality is None else {"quality": quality}
+    return scenario.model_copy(update=changes)
+
+
+def manifest_of(scenario: Scenario, frames: range, backend: Backend) -> Manifest:
+    """What the data set will say of itself; nothing in it names this machine."""
+    preset = {"name": scenario.quality} | asdict(PRESETS[scenario.quality])
+    llvm = Path(backend.llvm_path).name if backend.llvm_path else None
+    return Manifest.of(
+        scenario=scenario.model_dump(mode="json"),
+        seed=scenario.seed,
+        frames=frames,
+        sensors={name: _sensor(scenario, name) for name in scenario.cameras},
+        backend={"variant": backend.variant, "llvm": llvm},
+        quality=preset,
+    )
+
+
+def _sensor(scenario: Scenario, name: str) -> dict[str, Any]:
+    """Calibration, and what the numbers in the truth layers mean."""
+    from renderer.photometry import photometry
+
+    camera = scenario.cameras[name]
+    light = next(iter(scenario.lights.values()))
+    per_radiance = photometry(camera, light.spectral_irradiance_w_m2_nm).electrons_per_radiance
+    return calibration(
+        camera.model,
+        bits=camera.detector.bits,
+        electrons_per_second_per_radiance=per_radiance,
+        psf_sigma_px=camera.detector.psf_sigma_px,
+        parts=["background", *(part.name for part in scenario.target.parts)],
+        mask_bits={bit.name.lower(): int(bit) for bit in Light if bit.name},
+    )
+
+
+class FrameMaker:
+    """Everything that renders one scenario in one process."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Loads each camera's session."""
+        self._scenario = scenario
+        self._photographers = {name: Photographer(scenario, name) for name in scenario.cameras}
+
+    def record(self, frame: int) -> FrameRecord:
+        """Every camera's picture of one frame, with its truth."""
+        scene = realize(self._scenario, self._scenario.seed, frame)
+        taken = {name: photographer.take(scene) for name, photographer in self._photographers.items()}
+        return FrameRecord(
+            frame=frame,
+            time_s=scene.time_s,
+            images={name: photo.pixels for name, photo in taken.items()},
+            layers={name: photo.layers for name, photo in taken.items()},
+            truth={name: photo.truth for name, photo in taken.items()},
+            state=_state(scene, {name: photo.exposure_s for name, photo in taken.items()}),
+            windows={name: photo.window for name, photo in taken.items()},
+        )
+
+
+def _state(scene: Scene, exposure_s: dict[str, float]) -> dict[str, Any]:
+    lights = {
+        light.name: {
+            "direction_chaser": light.direction_chaser.tolist(),
+            "direction_target": light.direction_target.tolist(),
+            "half_angle_rad": light.half_angle_rad,
+        }
+        for light in scene.lights
+    }
+    return {"lights": lights, "exposure_s": exposure_s, "omega_target_rad_s": list(scene.omega_target_rad_s)}
+
+
+def _rendered(writer: DatasetWriter, scenario: Scenario, frames: Sequence[int], workers: int) -> Iterator[int]:
+    """Renders and writes ``frames``, here or in worker processes, and yields each as it is published."""
+    if not frames:
+        return
+    if workers == 1:
+        maker = FrameMaker(scenario)
+        for frame in frames:
+            writer.write(maker.record(frame))
+            yield frame
+        return
+    threads = max(1, (os.cpu_count() or 1) // workers)
+    job = _Job(writer, scenario, threads)
+    with _pool(workers, job) as pool:
+        yield from pool.imap_unordered(_work, frames)
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    writer: DatasetWriter
+    scenario: Scenario
+    threads: int
+
+
+@contextmanager
+def _pool(workers: int, job: _Job) -> Iterator[Any]:
+    """Fresh processes (Mitsuba cannot be forked); on any error they are ended, finished frames stay."""
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(workers, initializer=_start_worker, initargs=(job,)) as pool:
+        yield pool
+
+
+_worker: dict[str, Any] = {}  # one process, one job
+
+
+def _start_worker(job: _Job) -> None:
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    maker = FrameMaker(job.scenario)
+    import drjit as dr
+
+    dr.set_thread_count(job.threads)
+    _worker.update(writer=job.writer, maker=maker)
+
+
+def _work(frame: int) -> int:
+    _worker["writer"].write(_worker["maker"].record(frame))
+    return frame

@@ -1,0 +1,123 @@
+"""One camera takes one picture of a scene: radiance, exposure, detection, and the truth of what it sees."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import RigidTransform
+
+from renderer.detection import FixedPattern, detect, exposure_time_s, fixed_pattern
+from renderer.masks import fractions, light_mask
+from renderer.optics import blurred
+from renderer.quality import PRESETS
+from renderer.sensor import Shutter
+from renderer.session import Session, View
+from renderer.window import place_window, target_extent, window_size
+from scenes.camera import Camera
+from scenes.dataset_frame import pose_columns
+from scenes.detector import AutoExposure
+from scenes.exr import Window
+from scenes.provenance import stream
+from scenes.scenario import Scenario, Scene, realize
+from scenes.solids import bounding_points
+
+_STILL_PX = 0.01  # motion within one exposure below which a picture counts as sharp
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Photograph:
+    """A picture in DN (height, width), its truth layers in ``window`` (h, w each), its row of the truth table, its exposure."""
+
+    pixels: NDArray[Any]
+    window: Window
+    layers: dict[str, NDArray[Any]]
+    truth: dict[str, float]
+    exposure_s: float
+
+
+class Photographer:
+    """One camera of a scenario, ready to take any of its frames."""
+
+    def __init__(self, scenario: Scenario, name: str) -> None:
+        """Loads the target, finds the window that holds it in all frames, draws the detector's fixed pattern."""
+        self._scenario, self._name = scenario, name
+        self._camera: Camera = scenario.cameras[name]
+        self._points = bounding_points(scenario.target)
+        self._cam_from_chaser = self._camera.mount.chaser_from_cam.inv()
+        self._pattern: FixedPattern = fixed_pattern(self._camera, name, scenario.seed)
+        self._size = window_size(scenario, self._camera)
+        light = next(iter(scenario.lights.values()))
+        self.session = Session(
+            scenario.target,
+            self._camera,
+            light.spectral_irradiance_w_m2_nm,
+            PRESETS[scenario.quality],
+            self._size,
+            moving=self._moves(),
+        )
+
+    def take(self, scene: Scene) -> Photograph:
+        """Expose, detect, annotate."""
+        rule = self._camera.exposure
+        view = self._view(scene, 0.0 if isinstance(rule, AutoExposure) else rule.time_s)
+        geometry = self.session.geometry(view)
+        on_target = geometry["part_id"] > 0
+        light = self.session.radiance(view)
+        rate = self._electron_rate(light)
+        exposure_s = exposure_time_s(self._camera, rate, on_target)
+        if isinstance(rule, AutoExposure):  # blur belongs to the exposure that was chosen
+            light = self.session.radiance(view := self._view(scene, exposure_s))
+            rate = self._electron_rate(light)
+        electrons = rate * np.float32(exposure_s)
+        rng = stream(self._scenario.seed, scene.frame, f"{self._name}.detector")
+        pixels = detect(electrons, view.window, self._camera, exposure_s, self._pattern, rng)
+        full = electrons >= self._camera.detector.full_well_e
+        saturated = full | (pixels[view.window.slices] >= self._camera.detector.white_dn)
+        mask = light_mask(light, geometry["part_id"], saturated)
+        kept = {name: layer for name, layer in light.items() if name != "facing"}
+        truth = self._truth(scene, view) | fractions(mask) | {"exposure_s": exposure_s}
+        return Photograph(pixels, view.window, {**kept, **geometry, "mask": mask}, truth, exposure_s)
+
+    def _electron_rate(self, light: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
+        total = light["direct_diffuse"] + light["direct_specular"] + light["indirect"]
+        rate = total * np.float32(self.session.photometry.electrons_per_radiance)
+        return blurred(rate, self._camera.detector.psf_sigma_px)
+
+    def _view(self, scene: Scene, exposure_s: float) -> View:
+        half = exposure_s / 2
+        poses = [self._cam_from_chaser * scene.pose_at(scene.time_s + offset) for offset in (-half, 0.0, half)]
+        extent = target_extent(self._camera, poses[1].apply(self._points))
+        shutter = Shutter.between(*(pose.inv() for pose in poses))
+        window = place_window(extent, self._size, self._camera)
+        return View(shutter, window, scene.lights[0], self._scenario.seed, scene.frame, self._name)
+
+    def _moves(self) -> bool:
+        """Whether the target moves visibly within the longest exposure, judged at the first frame."""
+        scene = realize(self._scenario, self._scenario.seed, 0)
+        half = _longest_exposure_s(self._camera) / 2
+        poses = [self._cam_from_chaser * scene.pose_at(scene.time_s + offset) for offset in (-half, half)]
+        opened, closed = (self._camera.intrinsics.project(pose.apply(self._points)) for pose in poses)
+        return bool(np.nanmax(np.abs(closed - opened), initial=0.0) > _STILL_PX)
+
+    def _truth(self, scene: Scene, view: View) -> dict[str, float]:
+        """The pose columns and what else follows from geometry, sensor axes."""
+        cam_from_target = view.shutter.target_from_cam.inv()
+        cam_from_chaser = self._cam_from_chaser.rotation
+        light_cam = cam_from_chaser.apply(np.array(scene.lights[0].direction_chaser))  # SciPy wants a writable array
+        position = cam_from_target.translation
+        range_m = float(np.linalg.norm(position))
+        phase = np.arccos(np.clip(-light_cam @ position / range_m, -1, 1))
+        omega = dict(zip(("omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s"), scene.omega_target_rad_s))
+        light = dict(zip(("light_x", "light_y", "light_z"), (float(value) for value in light_cam)))
+        visible = self._visible_fraction(cam_from_target)
+        measures = {"range_m": range_m, "phase_angle_deg": float(np.degrees(phase)), "visible_fraction": visible}
+        return pose_columns(cam_from_target) | measures | light | omega
+
+    def _visible_fraction(self, cam_from_target: RigidTransform) -> float:
+        return self.session.visible_fraction(cam_from_target, self._points, self._camera.intrinsics)
+
+
+def _longest_exposure_s(camera: Camera) -> float:
+    rule = camera.exposure
+    return rule.longest_s if isinstance(rule, AutoExposure) else rule.time_s

@@ -1,0 +1,23 @@
+"""Quality presets: how many samples, and whether the indirect layer is filtered. Direct light is never filtered."""
+
+from dataclasses import dataclass
+
+from renderer.integrator import MAX_SCATTERINGS
+
+
+@dataclass(frozen=True, slots=True)
+class Preset:
+    """Samples per pixel (square numbers, for the stratified grid), the number of scatterings followed, and the filter."""
+
+    direct_samples: int
+    indirect_samples: int
+    max_scatterings: int = MAX_SCATTERINGS
+    denoise_indirect: bool = True
+
+
+PRESETS = {
+    "reference": Preset(256, 256, denoise_indirect=False),
+    "standard": Preset(64, 16),
+    "fast": Preset(16, 4),
+    "draft": Preset(16, 0, denoise_indirect=False),
+}

@@ -1,0 +1,57 @@
+"""The detector as EMVA 1288 (release 4.0) describes it: a user types the numbers of a vendor's data sheet."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from scenes.spec import Fraction, NonNegative, Positive, Spec
+from scenes.spectrum import Quantity
+
+
+class FixedExposure(Spec):
+    """The same exposure time for every frame."""
+
+    type: Literal["fixed"] = "fixed"
+    time_s: Positive
+
+
+class AutoExposure(Spec):
+    """Exposure that brings a percentile of the target's pixels to a fraction of full scale, within limits.
+
+    The chosen value is recorded with each frame and depends on that frame alone, so any frame can be rendered by itself.
+    """
+
+    type: Literal["auto"] = "auto"
+    percentile: Annotated[float, Field(gt=0, le=100)] = 95.0
+    target_fraction: Annotated[float, Field(gt=0, le=1)] = 0.7
+    shortest_s: Positive = 1e-6
+    longest_s: Positive = 1.0
+
+
+Exposure = Annotated[FixedExposure | AutoExposure, Field(discriminator="type")]
+
+
+class Detector(Spec):
+    """EMVA 1288 detector: mean and variance of the digital signal follow from these numbers.
+
+    μ_y = K (μ_e + μ_d) + offset, σ_y² = K² (σ_d² + μ_e + μ_d) + σ_q² (EMVA 1288 eqs. 3-11), K in DN per electron.
+    ``prnu`` is the standard deviation of the pixel gain (1.0 = 100 %), ``dsnu_e`` of the dark signal, both fixed patterns.
+    ``psf_sigma_px`` is lens blur plus pixel diffusion as a Gaussian.
+    """
+
+    quantum_efficiency: Quantity
+    full_well_e: Positive
+    gain_dn_per_e: Positive
+    bits: Annotated[int, Field(ge=1, le=16)] = 8
+    black_level_dn: NonNegative = 0.0
+    read_noise_e: NonNegative = 0.0
+    dark_current_e_s: NonNegative = 0.0
+    prnu: Fraction = 0.0
+    dsnu_e: NonNegative = 0.0
+    shot_noise: bool = True
+    psf_sigma_px: Annotated[float, Field(ge=0, le=20)] = 0.0
+
+    @property
+    def white_dn(self) -> int:
+        """The largest digital number, 2^bits − 1."""
+        return int(2**self.bits - 1)

@@ -1,0 +1,94 @@
+"""How the target moves before the chaser. Chaser axes are a forward camera's: x right, y down, z towards the target.
+
+The paper of the fly-around (Zhai et al. 2014) has a camera frame with X backward, Y right, Z up and passive elementary
+matrices; ``CHASER_FROM_PAPER`` takes its vectors into ours.
+"""
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from scenes.arrays import frozen
+from scenes.draw import Scalar, scalar
+from scenes.provenance import stream
+from scenes.spec import Positive, Spec, Vector3
+
+# P_chaser = CHASER_FROM_PAPER · P_paper: right = Y, down = −Z, forward = −X.
+CHASER_FROM_PAPER = frozen([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
+
+
+class AxisSweep(Spec):
+    """The fly-around of Zhai et al. 2014, section 3: θ(t) = start + rate·t about one axis of the target, at a fixed range.
+
+    Positive θ follows the paper's passive matrices, R_ct = R_axis(θ): the target turns by −θ in the right-hand sense.
+    """
+
+    type: Literal["axis-sweep"]
+    axis: Literal["x", "y", "z"]
+    start_deg: float
+    rate_deg_s: float
+    range_m: Positive
+
+    def angle_rad(self, time_s: float) -> float:
+        """θ(t) in radians."""
+        return math.radians(self.start_deg + self.rate_deg_s * time_s)
+
+    def chaser_from_target(self, time_s: float, frame: int, seed: int) -> RigidTransform:  # noqa: ARG002
+        """The pose at ``time_s``: CHASER_FROM_PAPER · R_axis(θ), target origin on the boresight."""
+        paper_from_target = Rotation.from_euler(self.axis, -self.angle_rad(time_s))
+        rotation = Rotation.from_matrix(CHASER_FROM_PAPER) * paper_from_target
+        return RigidTransform.from_components([0.0, 0.0, self.range_m], rotation)
+
+    def omega_target_rad_s(self) -> tuple[float, float, float]:
+        """Angular velocity of the target against the chaser, in target axes."""
+        rate = -math.radians(self.rate_deg_s)
+        return tuple(rate if name == self.axis else 0.0 for name in "xyz")  # type: ignore[return-value]
+
+
+class Spin(Spec):
+    """Constant angular velocity from a start attitude, at a position that drifts at constant velocity (chaser axes)."""
+
+    type: Literal["spin"]
+    position_m: Vector3
+    velocity_m_s: Vector3 = (0.0, 0.0, 0.0)
+    rotation_vector_deg: Vector3 = (0.0, 0.0, 0.0)
+    omega_target_deg_s: Vector3 = (0.0, 0.0, 0.0)
+
+    def chaser_from_target(self, time_s: float, frame: int, seed: int) -> RigidTransform:  # noqa: ARG002
+        """The pose at ``time_s``: start attitude, then ω·t in target axes."""
+        turned = Rotation.from_rotvec(np.asarray(self.omega_target_deg_s) * time_s, degrees=True)
+        rotation = Rotation.from_rotvec(self.rotation_vector_deg, degrees=True) * turned
+        return RigidTransform.from_components(np.asarray(self.position_m) + np.asarray(self.velocity_m_s) * time_s, rotation)
+
+    def omega_target_rad_s(self) -> tuple[float, float, float]:
+        """Angular velocity of the target against the chaser, in target axes."""
+        x, y, z = np.radians(self.omega_target_deg_s)
+        return float(x), float(y), float(z)
+
+
+class RandomViews(Spec):
+    """Independent views: attitude uniform over all rotations, range and off-boresight angles drawn for each frame."""
+
+    type: Literal["random-views"]
+    range_m: Scalar
+    right_deg: Scalar = 0.0
+    down_deg: Scalar = 0.0
+
+    def chaser_from_target(self, time_s: float, frame: int, seed: int) -> RigidTransform:  # noqa: ARG002
+        """The pose of ``frame``; each field has its own stream, so changing one leaves the others as they were."""
+        attitude = Rotation.random(rng=stream(seed, frame, "motion.attitude"))
+        range_m = scalar(self.range_m, stream(seed, frame, "motion.range_m"))
+        right = math.radians(scalar(self.right_deg, stream(seed, frame, "motion.right_deg")))
+        down = math.radians(scalar(self.down_deg, stream(seed, frame, "motion.down_deg")))
+        sight = np.array([math.tan(right), math.tan(down), 1.0])
+        return RigidTransform.from_components(range_m * sight / np.linalg.norm(sight), attitude)
+
+    def omega_target_rad_s(self) -> tuple[float, float, float]:
+        """Nothing moves within a view."""
+        return 0.0, 0.0, 0.0
+
+
+Motion = Annotated[AxisSweep | Spin | RandomViews, Field(discriminator="type")]
