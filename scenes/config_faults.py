@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import types
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Union, cast, get_args, get_origin
+from typing import Any, cast
 
 from pydantic import BaseModel, ValidationError
 
-from scenes.config_tree import TAGS, KeyPath, Source, Table, dotted, shown
+from scenes.config_keys import allowed_keys
+from scenes.config_tree import KeyPath, Source, Table, dotted, shown
 from scenes.errors import nearest
 
 _ARTICLE = {
@@ -31,6 +31,17 @@ _BOUNDS = {
     "greater_than_equal": ("at least", "ge"),
     "less_than": ("less than", "lt"),
     "less_than_equal": ("at most", "le"),
+}
+_LENGTHS = {
+    "too_short": ("at least", "min_length"),
+    "too_long": ("at most", "max_length"),
+}
+_CHOICES = {"union_tag_invalid": "expected_tags", "literal_error": "expected", "enum": "expected"}
+_ALLOWED = {
+    "missing": "an entry is missing in the list",
+    "union_tag_not_found": "must have a key {discriminator} that says what it is",
+    "finite_number": "must be a finite number",
+    "string_pattern_mismatch": "must match {pattern}",
 }
 
 
@@ -65,7 +76,7 @@ def _sentence(fault: _Fault, faults: list[_Fault], model: type[BaseModel], tree:
         kinds = {_ARTICLE[other.error["type"]]: None for other in faults if other.is_mismatch and other.path == fault.path}
         return f"{where}: got {_typed(fault.given)}, must be {' or '.join(kinds)}"
     if fault.error["type"] == "extra_forbidden":
-        allowed = _allowed_keys(model, fault, tree)
+        allowed = allowed_keys(model, fault.error["loc"], _at(tree, fault.path[:-1]))
         key = str(fault.path[-1])
         return f"{where}: no such key{nearest(key, allowed)} (got {shown(fault.given)}; allowed: {', '.join(allowed)})"
     return f"{where}: {_reason(fault)}"
@@ -77,24 +88,16 @@ def _reason(fault: _Fault) -> str:
     if kind in _BOUNDS:
         words, name = _BOUNDS[kind]
         return f"got {given}, must be {words} {context[name]:g}"
-    if kind == "missing":
-        return "it is missing" if isinstance(fault.error["loc"][-1], str) else f"got {given}, a value is missing in the list"
-    if kind in {"too_short", "too_long"}:
-        words, name = ("at least", "min_length") if kind == "too_short" else ("at most", "max_length")
-        return f"got {context['actual_length']} entries, must be {words} {context[name]}"
-    if kind == "union_tag_invalid":
-        return _one_of(fault.given, context["expected_tags"])
-    if kind == "union_tag_not_found":
-        return f"got {given}, must have a key {context['discriminator']} that says what it is"
-    if kind in {"literal_error", "enum"}:
-        return _one_of(fault.given, context["expected"])
-    fixed = {
-        "finite_number": "must be a finite number",
-        "string_pattern_mismatch": f"must match {context.get('pattern')}",
-        "value_error": f"{context.get('error')}",
-    }
-    text = fixed.get(kind, f"{fault.error['msg'][:1].lower()}{fault.error['msg'][1:]}")
-    return f"{text}" if kind == "value_error" else f"got {given}, {text}"
+    if kind in _LENGTHS:
+        words, name = _LENGTHS[kind]
+        return f"got {given}, must have {words} {context[name]} entries"
+    if kind in _CHOICES:
+        return _one_of(fault.given, context[_CHOICES[kind]])
+    if kind == "value_error":
+        return str(context["error"])
+    if kind == "missing" and isinstance(fault.error["loc"][-1], str):
+        return "it is missing"
+    return f"got {given}, {_ALLOWED.get(kind, fault.error['msg']).format(**context)}"
 
 
 def _one_of(given: Any, expected: str) -> str:
@@ -109,6 +112,13 @@ def _typed(value: Any) -> str:
     return f"{shown(value)} ({kind})" if kind and not isinstance(value, Mapping) else shown(value)
 
 
+def _at(tree: Table, path: KeyPath) -> Any:
+    node: Any = tree
+    for key in path:
+        node = node[key]
+    return node
+
+
 def _located(error: Mapping[str, Any], tree: Table) -> _Fault:
     """Follows pydantic's location through the tree, leaving out what only names a branch of a union."""
     node: Any = tree
@@ -121,7 +131,7 @@ def _located(error: Mapping[str, Any], tree: Table) -> _Fault:
         else:
             continue
         path = (*path, key)
-        source = node.origin if isinstance(node, Table) else source
+        source = node.origin if isinstance(node, Table) and error["loc"][-1] != "[key]" else source
     last = error["loc"][-1] if error["loc"] else 0
     if error["type"] == "missing" and isinstance(last, str):
         return _Fault((*path, last), source, None, error)
@@ -129,49 +139,3 @@ def _located(error: Mapping[str, Any], tree: Table) -> _Fault:
         tag = error["ctx"]["discriminator"].strip("'")
         return _Fault((*path, tag), node.sources.get(tag, source), node.get(tag), error)
     return _Fault(path, source, path[-1] if last == "[key]" else node, error)
-
-
-def _allowed_keys(model: type[BaseModel], fault: _Fault, tree: Table) -> list[str]:
-    """The keys of the model that the table with the unknown key is read as."""
-    hints: list[Any] = [model]
-    for key in fault.error["loc"][:-1]:
-        hints = [child for hint in hints for child in _children(hint, key)]
-    table: Any = tree
-    for key in fault.path[:-1]:
-        table = table[key]
-    models = [hint for hint in hints if isinstance(hint, type) and issubclass(hint, BaseModel)]
-    if fault.path[-1] not in TAGS:  # a table may be read by the model of its type, wherever that is known
-        models = [one for one in models if _has_tag(one, table)] or [one for one in _all_models() if _has_tag(one, table)] or models
-    return sorted({name for one in models for name in one.model_fields})
-
-
-def _children(hint: Any, key: str | int) -> list[Any]:
-    """The types that ``key`` may have below a type; a key that only names a branch of a union leads nowhere."""
-    if isinstance(hint, type) and issubclass(hint, BaseModel):
-        return _arms(hint.model_fields[key].annotation) if key in hint.model_fields else [hint]
-    origin, arguments = get_origin(hint), get_args(hint)
-    if origin is dict:
-        return _arms(arguments[1])
-    if origin in (tuple, list):
-        return [arm for argument in arguments for arm in _arms(argument)]
-    return []
-
-
-def _arms(hint: Any) -> list[Any]:
-    """The branches of a type without Annotated and Union around them."""
-    if get_origin(hint) is Annotated:
-        return _arms(get_args(hint)[0])
-    if get_origin(hint) in (Union, types.UnionType):
-        return [arm for argument in get_args(hint) for arm in _arms(argument)]
-    return [hint]
-
-
-def _has_tag(model: type[BaseModel], table: Mapping[str, Any]) -> bool:
-    fields = [(table.get(tag), model.model_fields.get(tag)) for tag in TAGS]
-    return any(field and get_origin(field.annotation) is Literal and tag in get_args(field.annotation) for tag, field in fields)
-
-
-def _all_models(model: type[BaseModel] = BaseModel) -> Iterator[type[BaseModel]]:
-    for child in model.__subclasses__():
-        yield child
-        yield from _all_models(child)
