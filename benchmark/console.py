@@ -1,0 +1,66 @@
+"""What a person sees: progress with an ETA on a terminal, one line a stage in a log, tables, and errors as one sentence."""
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from benchmark.progress import Progress
+
+
+class Console:
+    """The terminal door. ``quiet`` shows results and errors only."""
+
+    def __init__(self, quiet: bool = False) -> None:
+        """Progress goes to stderr, results to stdout, so that results can be piped."""
+        self.quiet = quiet
+        self.live = sys.stderr.isatty() and not quiet
+
+    def say(self, text: str = "") -> None:
+        """A line of the result."""
+        print(text)
+
+    def note(self, text: str) -> None:
+        """A line that is not part of the result; silent with ``quiet``."""
+        if not self.quiet:
+            print(text, file=sys.stderr, flush=True)
+
+    @contextmanager
+    def stage(self, title: str) -> Iterator[Progress | None]:
+        """The progress of one stage: a bar with an ETA on a terminal, a line at its end elsewhere."""
+        if not self.live:
+            yield None
+            self.note(f"done: {title}")
+            return
+        from rich.console import Console as RichConsole
+        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
+
+        columns = (
+            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+            TextColumn("left"), TimeRemainingColumn(),
+        )  # fmt: skip
+        with Bar(*columns, console=RichConsole(stderr=True)) as bar:
+            task = bar.add_task(title, total=None)
+            yield lambda done, total: bar.update(task, completed=done, total=total)
+
+    def table(self, title: str, rows: Sequence[Mapping[str, str]], groups: Sequence[str] = (), left: bool = False) -> None:
+        """Rows of equal keys as a table; ``groups`` (one per row) draws a line wherever it changes; ``left`` aligns texts."""
+        if not rows:
+            return
+        from rich import box
+        from rich.console import Console as RichConsole
+        from rich.table import Table
+
+        table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, title_style="bold")
+        for index, heading in enumerate(rows[0]):
+            table.add_column(heading, justify="left" if left or index == 0 else "right", overflow="fold")
+        for index, row in enumerate(rows):
+            last = index + 1 < len(groups) and groups[index] != groups[index + 1]
+            table.add_row(*row.values(), end_section=last)
+        wide = RichConsole() if sys.stdout.isatty() else RichConsole(width=160)
+        wide.print(table)
+
+
+def complain(verb: str, sentence: str) -> None:
+    """An error on stderr: ``hardlight verb: sentence``."""
+    print(f"hardlight{' ' + verb if verb else ''}: {sentence}", file=sys.stderr, flush=True)

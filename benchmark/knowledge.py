@@ -1,0 +1,79 @@
+"""What a method is told in advance. This is the only place where truth flows to an estimator, and all of it is recorded.
+
+The corner prior plays the operator who clicks the rectangle's four corners in the first picture: the true corner pixels plus
+Gaussian noise, from a stream of the data set's seed and the feature's name, so that every method gets the same clicks.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scenes.dataset import Dataset
+
+from benchmark.records import CornerPriorRecord, KnowledgeRecord
+from scenes.arrays import Floats, frozen
+from scenes.errors import UsageError, unknown
+from scenes.features import RectangleFeature
+from scenes.provenance import stream
+from scenes.recording import CornerPrior, Knowledge, Rectangle
+
+PRIOR_SIGMA_PX = 3.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Declaration:
+    """The knowledge itself and its record for run.json."""
+
+    knowledge: Knowledge
+    record: KnowledgeRecord
+
+
+def declare(
+    dataset: Dataset,
+    feature_name: str | None = None,
+    sigma_px: float = PRIOR_SIGMA_PX,
+    grant_aspect: bool = False,
+    frame: int | None = None,
+) -> Declaration:
+    """Calibration of every sensor, the feature ``feature_name``, and its corner pixels in ``frame`` (default: the first).
+
+    ``grant_aspect`` adds the rectangle's L/W. A data set whose target has one feature needs no name. Raises ``UsageError``
+    for an unknown feature or one that the first frame does not show.
+    """
+    sensors = dict(dataset.sensors)
+    feature = _feature(dataset, feature_name)
+    if feature is None:
+        return Declaration(Knowledge(sensors), KnowledgeRecord(sensors=tuple(sensors)))
+    first = dataset.frames[0] if frame is None else frame
+    sensor = next(iter(sensors))
+    aspect = feature.length_m / feature.width_m if grant_aspect else None
+    prior = CornerPrior(sensor, frozen(_clicked_corners(dataset, feature, sensor, first, sigma_px)), sigma_px)
+    rectangle = Rectangle(feature.name, feature.target_from_feature, feature.gap, feature.free_standing, aspect)
+    record = KnowledgeRecord(
+        sensors=tuple(sensors),
+        feature=feature.name,
+        aspect=aspect,
+        corner_prior=CornerPriorRecord(sensor=sensor, frame=first, corners_px=prior.corners_px.tolist(), sigma_px=sigma_px),
+    )
+    return Declaration(Knowledge(sensors, rectangle, prior), record)
+
+
+def _feature(dataset: Dataset, name: str | None) -> RectangleFeature | None:
+    by_name = {feature.name: feature for feature in dataset.features}
+    if name is None and len(by_name) > 1:
+        raise UsageError(f"the target has several features; choose one with --feature: {', '.join(by_name)}")
+    if name is None:
+        return next(iter(by_name.values()), None)
+    if name not in by_name:
+        raise UsageError(f"{dataset.path}: {unknown('feature', name, by_name)}")
+    return by_name[name]
+
+
+def _clicked_corners(dataset: Dataset, feature: RectangleFeature, sensor: str, frame: int, sigma_px: float) -> Floats:
+    cam_from_target = dataset.truth(frame).sensor_from_target[sensor]
+    corners = dataset.sensors[sensor].intrinsics.project(cam_from_target.apply(feature.corners_target))
+    if np.isnan(corners).any():
+        raise UsageError(
+            f"feature {feature.name!r} is not in front of {sensor!r} in frame {frame}; begin with another frame"
+        )
+    clicks = stream(dataset.manifest.seed, frame, f"knowledge.corner_prior.{feature.name}")
+    return np.asarray(corners + clicks.normal(scale=sigma_px, size=corners.shape)) if sigma_px > 0 else corners

@@ -1,0 +1,23 @@
+"""``hardlight list``: what the library holds and which estimators are registered, a line each."""
+
+from scenes.errors import UsageError, unknown
+
+LIBRARY_KINDS = ("scenarios", "targets", "materials", "cameras", "lights", "suites")
+KINDS = ("scenarios", "estimators", "suites", "targets", "cameras", "lights", "materials")
+
+
+def listing(kind: str) -> list[tuple[str, str]]:
+    """(name, one-line description) of everything of ``kind``; kinds are those of ``KINDS``."""
+    if kind not in KINDS:
+        raise UsageError(unknown("kind", kind, KINDS))
+    if kind == "estimators":
+        return _estimators()
+    from scenes.config import list_library
+
+    return sorted(dict(list_library(kind)).items())
+
+
+def _estimators() -> list[tuple[str, str]]:
+    from estimators import registry
+
+    return [(name, "") for name in registry.names()]

@@ -1,0 +1,73 @@
+"""What stands in the JSON files beside the tables: run.json of a method's answers."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from scenes.spec import NonNegative, Spec
+
+Pixel = tuple[float, float]
+
+
+class CornerPriorRecord(Spec):
+    """The four corner pixels that a method was given: P1..P4 in frame ``frame`` of ``sensor``, with their σ."""
+
+    sensor: str
+    frame: int
+    corners_px: tuple[Pixel, Pixel, Pixel, Pixel]
+    sigma_px: NonNegative
+
+
+class KnowledgeRecord(Spec):
+    """Everything a method was told in advance; the leaderboard prints it."""
+
+    sensors: tuple[str, ...]
+    feature: str | None = None
+    aspect: float | None = None
+    corner_prior: CornerPriorRecord | None = None
+
+    @property
+    def sentence(self) -> str:
+        """The declaration as a person reads it."""
+        told = ["calibration"]
+        if self.feature is not None:
+            told.append(f"that it sees the rectangle '{self.feature}'")
+        if self.aspect is not None:
+            told.append(f"its aspect ratio {self.aspect:.3g}")
+        if self.corner_prior is not None:
+            told.append(f"its 4 corner pixels in the first frame (σ {self.corner_prior.sigma_px:g} px)")
+        return ", ".join(told)
+
+
+class MachineRecord(Spec):
+    """Where the answers were computed; timings mean nothing without it."""
+
+    processor: str = ""
+    cores: int | None = None
+    system: str = ""
+    python: str = ""
+
+
+class RunRecord(Spec):
+    """run.json. An outside method needs ``format``, ``version``, ``method`` and ``dataset_identity``; the rest is optional.
+
+    ``notes`` is free for whatever an outside method wants to keep.
+    """
+
+    format: Literal["hardlight-predictions"]
+    version: Literal[1]
+    method: Annotated[str, Field(min_length=1)]
+    dataset_identity: Annotated[str, Field(min_length=1)]
+    label: str = ""
+    method_version: str = ""
+    parameters: dict[str, Any] = Field(default_factory=dict)
+    knowledge: KnowledgeRecord | None = None
+    start_cpu_s: NonNegative | None = None
+    start_wall_s: NonNegative | None = None
+    machine: MachineRecord = MachineRecord()
+    notes: dict[str, Any] = Field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """The name under which the answers are ranked: the suite's label, or the method's name."""
+        return self.label or self.method

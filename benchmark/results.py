@@ -1,0 +1,81 @@
+"""results.json: the index of a folder of results, from which the table and the page are made. Paths are relative to it."""
+
+import json
+from pathlib import Path
+from typing import Literal
+
+from pydantic import ValidationError
+
+from benchmark.errors import PredictionsError
+from benchmark.files import publish
+from benchmark.judge import SUMMARY
+from benchmark.suite import Note, Published
+from benchmark.summary import Summary
+from scenes.spec import Spec
+
+INDEX = "results.json"
+
+
+class Entry(Spec):
+    """One method on one feature of one case: where its data set, its answers and its scores lie."""
+
+    case: str
+    feature: str | None
+    title: str
+    dataset: str
+    answers: str
+    scores: str
+
+
+class CaseHeading(Spec):
+    """What a case is about, in a line."""
+
+    name: str
+    description: str = ""
+
+
+class Results(Spec):
+    """What a bench or a single judgement left behind."""
+
+    format: Literal["hardlight-results"] = "hardlight-results"
+    version: Literal[1] = 1
+    title: str
+    description: str = ""
+    cases: tuple[CaseHeading, ...]
+    entries: tuple[Entry, ...]
+    published: tuple[Published, ...] = ()
+    notes: tuple[Note, ...] = ()
+
+
+def write(folder: Path, results: Results) -> None:
+    """Writes results.json."""
+    publish(folder, {INDEX: (results.model_dump_json(indent=2) + "\n").encode()})
+
+
+def read(folder: Path) -> Results:
+    """The index of ``folder``. Raises ``PredictionsError`` where there is none or it is not one."""
+    path = folder / INDEX
+    if not path.is_file():
+        raise PredictionsError(f"{folder} holds no {INDEX}; give the --out folder of hardlight bench, judge or demo")
+    try:
+        return Results.model_validate_json(path.read_bytes())
+    except ValidationError as error:
+        raise PredictionsError(f"{path} is damaged: {_first(error)}") from error
+
+
+def summaries(folder: Path, entry: Entry) -> tuple[Summary, ...]:
+    """The summaries of one entry, one per sensor."""
+    path = folder / entry.scores / SUMMARY
+    try:
+        return tuple(Summary.model_validate(one) for one in json.loads(path.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        raise PredictionsError(f"{path} does not exist; run the judge again") from None
+    except ValidationError as error:
+        raise PredictionsError(f"{path} is damaged: {_first(error)}") from error
+    except ValueError as error:
+        raise PredictionsError(f"{path} is damaged: {error}") from error
+
+
+def _first(error: ValidationError) -> str:
+    fault = error.errors()[0]
+    return f"{'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}"

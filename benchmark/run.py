@@ -1,0 +1,179 @@
+"""Loop 1: a method answers every frame of a data set. It is handed observations and its declared knowledge, nothing else."""
+
+import math
+import os
+import platform
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scenes.dataset import Dataset
+
+from benchmark import predictions
+from benchmark.errors import ResultsConflict
+from benchmark.knowledge import Declaration
+from benchmark.predictions import COLUMNS, QUATERNION, TRANSLATION, Predictions
+from benchmark.progress import Progress
+from benchmark.records import MachineRecord, RunRecord
+from estimators.api import Estimate, Estimator, Outcome
+from scenes.recording import Knowledge, Observation
+
+
+
+@dataclass(slots=True)
+class Stopwatch:
+    """CPU seconds of this process (all its threads) and wall seconds of one measured block."""
+
+    cpu_s: float = 0.0
+    wall_s: float = 0.0
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Measures the block, also when it raises."""
+        cpu, wall = time.process_time(), time.perf_counter()
+        try:
+            yield
+        finally:
+            self.cpu_s, self.wall_s = time.process_time() - cpu, time.perf_counter() - wall
+
+
+def estimate(
+    method: str,
+    parameters: Mapping[str, Any],
+    dataset: Dataset,
+    declaration: Declaration,
+    out: Path,
+    *,
+    label: str = "",
+    progress: Progress | None = None,
+) -> Predictions:
+    """Runs the registered ``method`` over ``dataset`` and writes its answers to ``out``.
+
+    Raises ``ResultsConflict`` where ``out`` already holds the answers of something else: another method, other parameters,
+    other knowledge or another data set.
+    """
+    from estimators import registry
+
+    estimator = registry.load(method, **parameters)
+    record = RunRecord(
+        format="hardlight-predictions",
+        version=1,
+        method=method,
+        label=label,
+        method_version=getattr(estimator, "version", None) or version("hardlight"),
+        parameters=dict(parameters),
+        dataset_identity=dataset.identity,
+        knowledge=declaration.record,
+        machine=this_machine(),
+    )
+    refuse_to_mix(out, record)
+    answers = answer(estimator, dataset, declaration.knowledge, record, progress)
+    predictions.write(out, answers)
+    return answers
+
+
+def answer(
+    estimator: Estimator, dataset: Dataset, knowledge: Knowledge, record: RunRecord, progress: Progress | None = None
+) -> Predictions:
+    """The loop itself: start once, then one step a frame. An exception is the outcome ``crashed`` with its text."""
+    sensor, opening = next(iter(knowledge.sensors)), Stopwatch()
+    broken = _start(estimator, knowledge, opening)
+    rows, extras = [], []
+    for done, frame in enumerate(dataset.frames, start=1):
+        watch = Stopwatch()
+        result = (
+            _crashed(sensor, broken) if broken else _step(estimator, dataset.observation(frame), knowledge, sensor, watch)
+        )
+        rows.append(_row(frame, result, watch))
+        extras.append({"frame": frame, "sensor": result.sensor, "reason": result.reason, **result.extras})
+        if progress is not None:
+            progress(done, len(dataset.frames))
+    timed = record.model_copy(update={"start_cpu_s": opening.cpu_s, "start_wall_s": opening.wall_s})
+    return Predictions(timed, pd.DataFrame(rows, columns=list(COLUMNS)), pd.DataFrame(extras))
+
+
+def _start(estimator: Estimator, knowledge: Knowledge, watch: Stopwatch) -> str:
+    """Why the method could not start, empty if it did."""
+    try:
+        with watch.running():
+            estimator.start(knowledge)
+    except Exception as error:
+        return f"start: {type(error).__name__}: {error}"
+    return ""
+
+
+def _step(estimator: Estimator, observation: Observation, knowledge: Knowledge, sensor: str, watch: Stopwatch) -> Estimate:
+    try:
+        with watch.running():
+            result = estimator.step(observation)
+    except Exception as error:
+        return _crashed(sensor, f"{type(error).__name__}: {error}")
+    return _checked(result, knowledge, sensor)
+
+
+def _checked(result: object, knowledge: Knowledge, sensor: str) -> Estimate:
+    """``result`` where it keeps the contract, else a crash that says how it breaks it."""
+    if not isinstance(result, Estimate):
+        return _crashed(sensor, f"step returned {type(result).__name__}, not an Estimate")
+    if result.sensor not in knowledge.sensors:
+        return _crashed(sensor, f"step answered for the unknown sensor {result.sensor!r}")
+    pose = [] if result.sensor_from_target is None else result.sensor_from_target.as_quat().ravel().tolist()
+    position = [] if result.translation_m is None else np.asarray(result.translation_m).ravel().tolist()
+    if len(pose) not in (0, 4) or len(position) not in (0, 3) or not all(math.isfinite(x) for x in pose + position):
+        return _crashed(sensor, "step answered with a pose that is not one finite rotation and position")
+    return result
+
+
+def _crashed(sensor: str, reason: str) -> Estimate:
+    return Estimate(sensor, Outcome.CRASHED, reason=reason)
+
+
+def _row(frame: int, result: Estimate, watch: Stopwatch) -> dict[str, object]:
+    empty = dict.fromkeys((*QUATERNION, *TRANSLATION), float("nan"))
+    if result.sensor_from_target is not None:
+        quaternion = result.sensor_from_target.as_quat(canonical=True, scalar_first=True)
+        empty |= dict(zip(QUATERNION, np.ravel(quaternion).tolist(), strict=True))
+    if result.sensor_from_target is not None and result.translation_m is not None:
+        empty |= dict(zip(TRANSLATION, np.ravel(result.translation_m).tolist(), strict=True))
+    timing = {"cpu_s": watch.cpu_s, "wall_s": watch.wall_s}
+    return {"frame": frame, "sensor": result.sensor, "outcome": result.outcome.value, **empty, **timing}
+
+
+def refuse_to_mix(out: Path, record: RunRecord) -> None:
+    """Raises ``ResultsConflict`` where ``out`` holds answers that ``record`` does not describe; a run may be repeated."""
+    if not (out / predictions.RECORD).exists():
+        if out.exists() and any(out.iterdir()):
+            raise ResultsConflict(f"{out} is not empty and holds no run.json; choose another folder")
+        return
+    there = predictions.read_record(out)
+    for name in ("method", "parameters", "dataset_identity", "knowledge"):
+        old, new = getattr(there, name), getattr(record, name)
+        if old != new:
+            raise ResultsConflict(
+                f"{out} holds the answers of another run ({name}: {old} there, {new} now); choose another folder"
+            )
+
+
+def this_machine() -> MachineRecord:
+    """Processor, cores, system and Python of this machine."""
+    return MachineRecord(
+        processor=_processor_name(),
+        cores=os.cpu_count(),
+        system=f"{platform.system()} {platform.release()}",
+        python=platform.python_version(),
+    )
+
+
+def _processor_name() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor()

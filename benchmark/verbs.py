@@ -1,0 +1,159 @@
+"""What each verb of the command line does, and what it says."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from benchmark.console import Console
+from scenes.errors import FAULT_FOUND, UsageError
+
+if TYPE_CHECKING:
+    from benchmark.results import Results
+    from scenes.scenario import Quality
+
+
+def doctor(console: Console) -> int:
+    """Prints the findings; 1 if something is missing without which rendering or judging fails."""
+    from benchmark import doctor as findings
+
+    found = findings.examine()
+    console.table("", [{"": one.name, "found": one.found, "to do": one.remedy} for one in found], left=True)
+    missing = [one for one in found if one.is_missing]
+    console.say("everything is there" if not missing else "to do:\n" + "\n".join(f"  {one.remedy}" for one in missing))
+    return FAULT_FOUND if any(one.stops for one in missing) else 0
+
+
+def list_(kind: str | None, console: Console) -> None:
+    """Prints names with their descriptions."""
+    from benchmark import listing
+
+    for one in listing.KINDS if kind is None else (kind,):
+        rows = [{one: name, "": text} for name, text in listing.listing(one)]
+        console.table("", rows, left=True)
+
+
+def render(
+    scenario: str,
+    out: Path,
+    frames: str | None,
+    seed: int | None,
+    overrides: list[str],
+    workers: int,
+    quality: "Quality | None",
+    resume: bool,
+    console: Console,
+) -> None:
+    """Renders a scenario into ``out``."""
+    from scenes.dataset_range import parse_frames
+    from scenes.scenario import load_scenario
+
+    loaded = load_scenario(scenario, overrides)
+    selected = None if frames is None else parse_frames(frames, loaded.frame_count)
+    from renderer.generate import generate
+
+    count = loaded.frame_count if selected is None else len(selected)
+    with console.stage(f"render {count} frames") as progress:
+        generate(
+            loaded, out, frames=selected, seed=seed, workers=workers, resume=resume, quality=quality, progress=progress
+        )
+    console.say(f"{out}: {count} frames")
+
+
+def verify(path: Path, sample: int, console: Console) -> int:
+    """Prints every fault; 1 if there is one."""
+    from scenes.dataset import Dataset
+    from scenes.dataset_verify import verify as check
+
+    faults = list(check(path))
+    if not faults and sample > 0:
+        from renderer.generate import rerender
+
+        dataset = Dataset.open(path)
+        stride = max(1, len(dataset.frames) // sample)
+        for frame in dataset.frames[::stride][:sample]:
+            with console.stage(f"render frame {frame} again"):
+                faults += rerender(dataset, frame)
+    for fault in faults:
+        console.say(fault)
+    console.say(f"{path}: {len(faults)} faults" if faults else f"{path}: no fault found")
+    return FAULT_FOUND if faults else 0
+
+
+def estimate(
+    method: str, path: Path, out: Path, feature: str | None, sigma_px: float, overrides: list[str], console: Console
+) -> None:
+    """Runs one method over a data set."""
+    from benchmark import run
+    from benchmark.knowledge import declare
+    from scenes.dataset import Dataset
+
+    dataset = Dataset.open(path)
+    declaration = declare(dataset, feature, sigma_px)
+    with console.stage(f"{method}: {len(dataset.frames)} frames") as progress:
+        answers = run.estimate(method, _parameters(overrides), dataset, declaration, out, progress=progress)
+    counts = answers.table["outcome"].value_counts()
+    console.say(f"{out}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
+
+
+def judge(answers: Path, path: Path, out: Path, console: Console) -> None:
+    """Scores the answers in a folder and prints the table."""
+    import os
+
+    from benchmark import judge as judging
+    from benchmark import predictions, results
+    from benchmark.results import CaseHeading, Entry, Results
+    from scenes.dataset import Dataset
+
+    given, dataset = predictions.read(answers), Dataset.open(path)
+    judging.write(out, judging.judge(given, dataset))
+    knowledge = given.record.knowledge
+    entry = Entry(
+        case=path.name,
+        feature=None if knowledge is None else knowledge.feature,
+        title=given.record.title,
+        dataset=os.path.relpath(path, out),
+        answers=os.path.relpath(answers, out),
+        scores=".",
+    )
+    title = f"{given.record.title} on {path.name}"
+    index = Results(title=title, cases=(CaseHeading(name=path.name),), entries=(entry,))
+    results.write(out, index)
+    _print_table(out, index, console)
+
+
+def bench(suite: str, out: Path, workers: int, quality: "Quality | None", console: Console) -> None:
+    """Runs a suite, prints the leaderboard, writes the page."""
+    from benchmark import bench as benching
+    from benchmark.suite import load_suite
+
+    loaded = load_suite(suite)
+    index = benching.bench(loaded, out, workers=workers, quality=quality, stages=console.stage)
+    _print_table(out, index, console)
+    report(out, console)
+
+
+def report(folder: Path, console: Console) -> None:
+    """Writes the page and says where it is."""
+    from benchmark import report as page
+
+    console.say(f"the report: {page.write(folder).resolve()}")
+
+
+def _print_table(folder: Path, index: "Results", console: Console) -> None:
+    from benchmark import leaderboard
+
+    rows = list(leaderboard.rows(folder, index))
+    groups = [f"{row.entry.case} {row.entry.feature}" for row in rows]
+    cells = [{"case": row.entry.case, "feature": row.entry.feature or "—", **row.cells} for row in rows]
+    console.table(f"{index.title} (errors in degrees, answered frames only)", cells, groups)
+
+
+def _parameters(overrides: list[str]) -> dict[str, object]:
+    from scenes.config import parse_override
+
+    parameters: dict[str, object] = {}
+    for text in overrides:
+        keys, value = parse_override(text)
+        if len(keys) != 1:
+            raise UsageError(f"--set {text!r}: a method's parameter has one name without dots")
+        parameters[keys[0]] = value
+    return parameters
