@@ -25,6 +25,7 @@ class KernelPlan:
     distorted: bool
     moving: bool
     with_glints: bool
+    stratified: bool
 
 
 @dr.syntax
@@ -82,9 +83,9 @@ def _pixel(mi: Any, frame: dict[str, Any], pixel_index: Any, plan: KernelPlan) -
 
 
 def _sample_ray(mi: Any, frame: dict[str, Any], pixel_index: Any, sample: Any, rng: Any, samples: int, plan: KernelPlan) -> Any:
-    """A ray of one sample: stratified over the pixel's area (box filter) and over the time that the shutter is open."""
+    """A ray of one sample, spread over the pixel's area (box filter) and over the time that the shutter is open."""
     jitter = mi.Point2f(rng.next_float32(), rng.next_float32())
-    place = stratified(mi, sample, samples, jitter)
+    place = stratified(mi, sample, samples, jitter) if plan.stratified else jitter
     pixel = _pixel(mi, frame, pixel_index, plan) + mi.Vector2f(place.x - 0.5, place.y - 0.5)
     tau = mi.Float(0)
     if plan.moving:

@@ -59,6 +59,7 @@ class Session:
             distorted=camera.intrinsics.is_distorted,
             moving=moving,
             with_glints=any(is_near_mirror(part.material) for part in target.parts),
+            stratified=preset.stratified,
         )
         self._scene = _load(target, self.photometry)
         self._part_of_shape = _part_ids(self._scene, len(target.parts), scalar=self.backend.is_scalar)
