@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,8 +14,9 @@ from numpy.typing import NDArray
 
 from scenes.arrays import Floats, frozen
 from scenes.errors import AssetError, nearest
+from scenes.provenance import sha256_of_bytes
 
-FORMATS = (".glb", ".obj", ".off", ".ply", ".stl")
+FORMATS = (".glb", ".obj", ".ply", ".stl")  # each but OBJ states its size, so a truncated file is found out
 LARGEST_BYTES = 512 * 2**20
 
 
@@ -70,18 +70,29 @@ def _load(path: Path, _changed_ns: int, size: int) -> Mesh:
 def _triangles(path: Path) -> tuple[Floats, NDArray[np.int64]]:
     import trimesh
 
+    data, kind = _bytes(path), path.suffix[1:].lower()
+    if kind == "stl":
+        _check_stl(path, data)
     try:
         # From bytes, so that no format can reach for other files (textures, buffers) by itself.
-        data = io.BytesIO(path.read_bytes())
-        mesh = trimesh.load(data, file_type=path.suffix[1:].lower(), force="mesh", process=False, skip_materials=True)
+        mesh = trimesh.load(io.BytesIO(data), file_type=kind, force="mesh", process=False, skip_materials=True)
         return np.asarray(mesh.vertices, np.float64).reshape(-1, 3), np.asarray(mesh.faces, np.int64).reshape(-1, 3)
     except Exception as error:  # a parser of foreign files fails in any way there is
-        raise AssetError(f"{path}: the mesh cannot be read, the file is broken ({type(error).__name__}: {error})") from None
+        why = "neither valid text nor valid binary" if isinstance(error, ImportError) else f"{type(error).__name__}: {error}"
+        raise AssetError(f"{path}: the mesh cannot be read, the file is broken ({why})") from None
+
+
+def _check_stl(path: Path, data: bytes) -> None:
+    """A binary STL states its triangles: 80 bytes of header, their number, 50 bytes each."""
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) != 84 + 50 * count and not data.lstrip().startswith(b"solid"):
+        stated = f"a binary STL of {count} triangles has {84 + 50 * count} bytes"
+        raise AssetError(f"{path}: the mesh file is truncated or no STL: {stated}, it has {len(data)}")
 
 
 def _checked(path: Path, vertices: Floats, faces: NDArray[np.int64]) -> Mesh:
     if len(faces) == 0:
-        raise AssetError(f"{path}: the mesh is empty, it has {len(vertices)} vertices and no triangle")
+        raise AssetError(f"{path}: the mesh is empty or broken, it has {len(vertices)} vertices and no triangle")
     if not np.isfinite(vertices).all():
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
         raise AssetError(f"{path}: vertex {bad} of the mesh is {vertices[bad].tolist()}, not three finite numbers")
@@ -101,6 +112,18 @@ def map_mesh_paths(tree: Any, change: Callable[[str], str]) -> Any:
         changed = {name: map_mesh_paths(entry, change) for name, entry in tree.items()}
         return changed | {"path": change(tree["path"])} if is_mesh else changed
     return [map_mesh_paths(entry, change) for entry in tree] if isinstance(tree, list | tuple) else tree
+
+
+def mesh_paths(tree: Any) -> list[str]:
+    """The path of every table with ``type = "mesh"`` in a plain tree, sorted, each once."""
+    found: set[str] = set()
+
+    def note(path: str) -> str:
+        found.add(path)
+        return path
+
+    map_mesh_paths(tree, note)
+    return sorted(found)
 
 
 def portable(scenario: Any) -> tuple[Any, dict[str, Path]]:
@@ -125,8 +148,19 @@ def with_assets_in(scenario: Any, folder: Path) -> Any:
 
 def asset_digest(path: Path) -> str:
     """The first 32 hexadecimal digits of a file's SHA-256. Raises ``AssetError``."""
+    return sha256_of_bytes(_bytes(path))[:32]
+
+
+def asset_bytes(path: Path, digest: str) -> bytes:
+    """The bytes of a file that had ``digest`` a moment ago. Raises ``AssetError`` where it was changed since."""
+    data = _bytes(path)
+    if sha256_of_bytes(data)[:32] != digest:
+        raise AssetError(f"{path}: the mesh was changed while it was used: its digest was {digest}; start again")
+    return data
+
+
+def _bytes(path: Path) -> bytes:
     try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()[:32]
+        return path.read_bytes()
     except OSError as error:
         raise AssetError(f"{path}: cannot read the mesh: {error.strerror}") from None

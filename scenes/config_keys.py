@@ -17,8 +17,10 @@ def allowed_keys(model: type[BaseModel], location: Sequence[Key], table: Mapping
     for key in location[:-1]:
         hints = [child for hint in hints for child in _children(hint, key)]
     models = [hint for hint in hints if isinstance(hint, type) and issubclass(hint, BaseModel)]
-    if location[-1] not in TAGS:  # a table may be read by the model of its type, wherever that is known
-        models = [one for one in models if _has_tag(one, table)] or [one for one in _all_models() if _has_tag(one, table)] or models
+    tagged = [one for one in models if _has_tag(one, table)]
+    if not tagged and location[-1] not in TAGS:  # a table may be read by the model of its type, wherever that is known
+        tagged = [one for one in _all_models() if _has_tag(one, table)]
+    models = tagged or models
     return sorted({name for one in models for name in one.model_fields})
 
 

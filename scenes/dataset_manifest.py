@@ -1,13 +1,14 @@
 """What a data set says of itself: the scenario that made it, the seed, the frames, the sensors, the software."""
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, JsonValue, PrivateAttr, ValidationError, model_validator
 
-from scenes.assets import portable
+from scenes.assets import mesh_paths, portable
 from scenes.dataset_layout import FORMAT, MANIFEST, VERSION
 from scenes.errors import DatasetError
 from scenes.intrinsics import Intrinsics
@@ -17,6 +18,8 @@ from scenes.spec import Spec
 
 SensorName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]  # it becomes a file name
 Table = dict[str, JsonValue]
+_ASSET = re.compile(r"assets/[0-9a-f]{32}\.[a-z]{3}")
+_SHOWN = 4  # of the key paths in which two scenarios differ
 
 
 class Manifest(Spec):
@@ -66,9 +69,12 @@ class Manifest(Spec):
         return manifest
 
     @model_validator(mode="after")
-    def _counts(self) -> Self:
+    def _is_consistent(self) -> Self:
         if self.frames[2] < 1 or len(self.selected) != self.frame_count:
             raise ValueError(f"frames {self.frames} are not {self.frame_count} frames")
+        for path in mesh_paths(self.scenario):
+            if not _ASSET.fullmatch(path):
+                raise ValueError(f"the mesh {path!r} does not lie in the data set")
         return self
 
     @property
@@ -118,10 +124,10 @@ def read_manifest(dataset: Path) -> Manifest:
 
 def differences(there: Manifest, here: Manifest) -> list[str]:
     """In which points two manifests differ, one text a point, with both values: ``seed: 1 in the folder, 2 asked for``."""
-    points = [("digest", there.digest, here.digest)]
+    points = [("digest", there.digest, here.digest), *_deep("scenario", there.scenario, here.scenario)[:_SHOWN]]
     points += [(name, getattr(there, name), getattr(here, name)) for name in ("seed", "frames", "quality")]
     for name in ("sensors", "backend", "software"):
-        points += _entries(name, getattr(there, name), getattr(here, name))
+        points += _deep(name, getattr(there, name), getattr(here, name))
     return [f"{name}: {_short(old)} in the folder, {_short(new)} asked for" for name, old, new in points if old != new]
 
 
@@ -159,8 +165,14 @@ def _read(path: Path) -> dict[str, Any]:
     return raw
 
 
-def _entries(prefix: str, there: Mapping[str, Any], here: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
-    return [(f"{prefix}.{name}", there.get(name), here.get(name)) for name in sorted({*there, *here})]
+def _deep(path: str, there: Any, here: Any) -> list[tuple[str, Any, Any]]:
+    """The key paths at which two plain trees differ, with both values."""
+    if isinstance(there, dict) and isinstance(here, dict):
+        keys = sorted({*there, *here})
+        return [point for key in keys for point in _deep(f"{path}.{key}", there.get(key), here.get(key))]
+    if isinstance(there, list) and isinstance(here, list) and len(there) == len(here):
+        return [point for i, pair in enumerate(zip(there, here)) for point in _deep(f"{path}.{i}", *pair)]
+    return [] if there == here else [(path, there, here)]
 
 
 def _short(value: Any) -> str:

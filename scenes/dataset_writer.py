@@ -9,10 +9,10 @@ from typing import Any
 import cv2
 from numpy.typing import NDArray
 
+from scenes.assets import asset_bytes
 from scenes.atomic import disk_errors, publish_file, publish_folder, sweep
 from scenes.dataset_frame import FrameRecord, frame_json
 from scenes.dataset_layout import (
-    ASSETS,
     FRAME_FILE,
     FRAMES,
     MANIFEST,
@@ -43,19 +43,18 @@ class DatasetWriter:
         Raises ``DatasetConflict`` where the folder holds another data set, an equal one without ``resume``, or anything
         else, and leaves it as it is; ``StorageError`` where the disk refuses.
         """
-        if (path / MANIFEST).exists():
-            _check_same(path, manifest, resume)
-        else:
-            _check_empty(path)
-            with disk_errors(path):
-                path.mkdir(parents=True, exist_ok=True)
-            publish_file(path / MANIFEST, manifest.to_json().encode())
         with disk_errors(path):
+            if (path / MANIFEST).exists():
+                _check_same(path, manifest, resume)
+            else:
+                _check_empty(path)
+                path.mkdir(parents=True, exist_ok=True)
+                publish_file(path / MANIFEST, manifest.to_json().encode())
             (path / FRAMES).mkdir(exist_ok=True)
             for folder in (path, path / FRAMES):
                 sweep(folder)
-        writer = cls(path, manifest)
-        writer._copy_assets()
+            writer = cls(path, manifest)
+            writer._copy_assets()
         return writer
 
     def missing(self) -> list[int]:
@@ -91,10 +90,10 @@ class DatasetWriter:
 
     def _copy_assets(self) -> None:
         for name, source in sorted(self.manifest.assets.items()):
-            if not (self.path / name).exists():
-                with disk_errors(self.path / ASSETS):
-                    (self.path / ASSETS).mkdir(exist_ok=True)
-                publish_file(self.path / name, source.read_bytes())
+            target = self.path / name
+            if not target.exists():
+                target.parent.mkdir(exist_ok=True)
+                publish_file(target, asset_bytes(source, target.stem))
 
 
 def missing_sentence(path: Path, missing: list[int], total: int) -> str:
