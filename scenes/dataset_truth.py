@@ -4,9 +4,6 @@ import io
 from collections.abc import Iterator
 from pathlib import Path
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from scenes.dataset_frame import read_frame_json, truth_rows
 from scenes.dataset_layout import TRUTH_COLUMNS
 from scenes.dataset_manifest import Manifest
@@ -24,6 +21,9 @@ def rows(dataset: Path, frames: range) -> Iterator[Row]:
 
 def truth_table_bytes(dataset: Path, manifest: Manifest) -> bytes:
     """The bytes of truth.parquet: the same frames give the same bytes, for one version of pyarrow."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     all_rows = list(rows(dataset, manifest.selected))
     more = sorted({name for row in all_rows for name in row} - {"frame", "sensor", "time_s", *TRUTH_COLUMNS})
     numbers = ["time_s", *TRUTH_COLUMNS, *more]
