@@ -25,6 +25,8 @@ def direct_layers(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any, 
     """
     si = scene.ray_intersect(ray)
     hit = si.is_valid()
+    if _is_off(hit):
+        return dict.fromkeys(("diffuse", "specular", "hit", "facing", "open"), 0.0)
     bsdf = si.bsdf(ray)
     to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
     facing = hit & (dr.dot(si.n, to_sun) > 0) & (dr.dot(si.n, ray.d) < 0)
@@ -66,6 +68,8 @@ def indirect_layer(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any,
 
 def _sunlit(mi: Any, scene: Any, si: Any, ray: Any, sun: dict[str, Any], rng: Any, active: Any) -> Any:
     """Radiance that the surface at ``si`` sends back along ``ray`` in the sun's light, by next-event estimation alone."""
+    if _is_off(active):
+        return 0.0
     to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
     facing = active & (dr.dot(si.n, to_sun) > 0)
     is_open = facing & (scene.ray_test(si.spawn_ray(to_sun), facing) ^ True)
@@ -79,6 +83,8 @@ def _glint(mi: Any, scene: Any, bsdf: Any, si: Any, sun: dict[str, Any], rng: An
     sample, _ = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u, hit)
     direction = si.to_world(sample.wo)
     lucky = hit & sees_sun(dr, sun, direction) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
+    if _is_off(lucky):
+        return 0.0
     lucky = lucky & (scene.ray_test(si.spawn_ray(direction), lucky) ^ True)
     diffuse, total = _lobes(mi, bsdf, si, sample.wo, lucky)
     radiance = sun_weight(sun) * sun_density(dr, sun)
@@ -104,6 +110,11 @@ def _power(chosen: Any, other: Any) -> Any:
 def _first(spectrum: Any) -> Any:
     """The only channel there is: all channels carry the same band."""
     return spectrum[0]
+
+
+def _is_off(active: Any) -> bool:
+    """Whether this is a scalar variant's single ray that met nothing: its shape is a null pointer (wavefronts mask theirs)."""
+    return isinstance(active, bool) and not active
 
 
 def _number(mi: Any, mask: Any) -> Any:

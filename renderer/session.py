@@ -13,6 +13,7 @@ from renderer.materials import bsdf, is_near_mirror
 from renderer.photometry import Photometry, photometry
 from renderer.quality import Preset
 from renderer.sensor import Shutter, lens_constants
+from renderer.sunlight import sun_constants
 from renderer.variant import Backend, activate
 from renderer.visibility import visible_fraction
 from scenes.arrays import Floats
@@ -107,11 +108,9 @@ class Session:
             "window_y": float(view.window.y_px),
             "direct_seed": _seed32(view, "direct"),
             "indirect_seed": _seed32(view, "indirect"),
-            "sun": {
-                "direction": light.direction_target,
-                "cos_half_angle": float(np.cos(light.half_angle_rad)),
-                "irradiance": band_irradiance(light.spectral_irradiance_w_m2_nm),
-            },
+            "sun": sun_constants(
+                light.direction_target, light.half_angle_rad, band_irradiance(light.spectral_irradiance_w_m2_nm)
+            ),
         }
 
 
