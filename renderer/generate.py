@@ -3,7 +3,8 @@
 import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,11 @@ from typing import Any
 from renderer.masks import Light
 from renderer.photograph import Photographer
 from renderer.quality import PRESETS
-from renderer.variant import Backend, probe
+from renderer.variant import Backend, activate, probe
 from scenes.dataset_frame import FrameRecord
 from scenes.dataset_manifest import Manifest, calibration
 from scenes.dataset_writer import DatasetWriter
+from scenes.errors import HardlightError
 from scenes.scenario import Quality, Scenario, Scene, realize
 
 Progress = Callable[[int, int], None]
@@ -131,10 +133,8 @@ def _rendered(writer: DatasetWriter, scenario: Scenario, frames: Sequence[int], 
             writer.write(maker.record(frame))
             yield frame
         return
-    threads = max(1, (os.cpu_count() or 1) // workers)
-    job = _Job(writer, scenario, threads)
-    with _pool(workers, job) as pool:
-        yield from pool.imap_unordered(_work, frames)
+    job = _Job(writer, scenario, threads=max(1, (os.cpu_count() or 1) // workers))
+    yield from _in_processes(job, frames, workers)
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,12 +144,20 @@ class _Job:
     threads: int
 
 
-@contextmanager
-def _pool(workers: int, job: _Job) -> Iterator[Any]:
-    """Fresh processes (Mitsuba cannot be forked); on any error they are ended, finished frames stay."""
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(workers, initializer=_start_worker, initargs=(job,)) as pool:
-        yield pool
+def _in_processes(job: _Job, frames: Sequence[int], workers: int) -> Iterator[int]:
+    """Fresh processes (Mitsuba cannot be forked). A worker that dies ends the run; finished frames stay."""
+    spawn = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(min(workers, len(frames)), mp_context=spawn, initializer=_start_worker, initargs=(job,))
+    try:
+        for done in as_completed([pool.submit(_work, frame) for frame in frames]):
+            yield done.result()
+    except BrokenProcessPool:
+        raise HardlightError(
+            "a worker process died (killed, out of memory, or started from a script without "
+            "`if __name__ == '__main__':`); finished frames are kept, go on with --resume"
+        ) from None
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
 
 
 _worker: dict[str, Any] = {}  # one process, one job
@@ -159,11 +167,11 @@ def _start_worker(job: _Job) -> None:
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
-    maker = FrameMaker(job.scenario)
+    activate()
     import drjit as dr
 
     dr.set_thread_count(job.threads)
-    _worker.update(writer=job.writer, maker=maker)
+    _worker.update(writer=job.writer, maker=FrameMaker(job.scenario))
 
 
 def _work(frame: int) -> int:
