@@ -6,8 +6,8 @@ from pathlib import Path
 
 from benchmark import judge, results, run
 from benchmark.knowledge import declare
-from benchmark.results import CaseHeading, Entry, Results
 from benchmark.progress import Progress
+from benchmark.results import CaseHeading, Entry, Results
 from benchmark.suite import Case, Method, Suite
 from scenes.dataset import Dataset
 from scenes.errors import DatasetConflict
@@ -88,7 +88,5 @@ def _answer_and_judge(
     dataset: Dataset, feature: str, title: str, method: Method, sigma_px: float, folder: Path, progress: Progress | None
 ) -> None:
     declaration = declare(dataset, feature, sigma_px, grant_aspect=method.aspect)
-    answers = run.estimate(
-        method.estimator, method.parameters, dataset, declaration, folder, label=title, progress=progress
-    )
+    answers = run.estimate(method.estimator, method.parameters, dataset, declaration, folder, label=title, progress=progress)
     judge.write(folder, judge.judge(answers, dataset))

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scenes.dataset import Dataset
 from scipy.spatial.transform import Rotation
 
 from benchmark import metrics, symmetry
@@ -18,6 +17,7 @@ from benchmark.files import publish
 from benchmark.predictions import QUATERNION, TRANSLATION, Predictions
 from benchmark.records import KnowledgeRecord
 from benchmark.summary import Summary, figures
+from scenes.dataset import Dataset
 from scenes.errors import unknown
 
 SCORES, SUMMARY = "scores.parquet", "summary.json"
@@ -64,9 +64,7 @@ def refuse_strangers(predictions: Predictions, dataset: Dataset) -> None:
     """Raises ``PredictionsError`` where the answers were not given on this data set."""
     answered, here = predictions.record.dataset_identity, dataset.identity
     if answered != here:
-        raise PredictionsError(
-            f"the predictions were made on data set {answered}, but {dataset.path} is data set {here}"
-        )
+        raise PredictionsError(f"the predictions were made on data set {answered}, but {dataset.path} is data set {here}")
     strange = set(predictions.table["frame"]) - set(dataset.frames)
     if strange:
         raise PredictionsError(f"the predictions answer frame {min(strange)}, which {dataset.path} does not have")

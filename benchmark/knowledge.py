@@ -7,10 +7,10 @@ Gaussian noise, from a stream of the data set's seed and the feature's name, so 
 from dataclasses import dataclass
 
 import numpy as np
-from scenes.dataset import Dataset
 
 from benchmark.records import CornerPriorRecord, KnowledgeRecord
 from scenes.arrays import Floats, frozen
+from scenes.dataset import Dataset
 from scenes.errors import UsageError, unknown
 from scenes.features import RectangleFeature
 from scenes.provenance import stream
@@ -72,8 +72,6 @@ def _clicked_corners(dataset: Dataset, feature: RectangleFeature, sensor: str, f
     cam_from_target = dataset.truth(frame).sensor_from_target[sensor]
     corners = dataset.sensors[sensor].intrinsics.project(cam_from_target.apply(feature.corners_target))
     if np.isnan(corners).any():
-        raise UsageError(
-            f"feature {feature.name!r} is not in front of {sensor!r} in frame {frame}; begin with another frame"
-        )
+        raise UsageError(f"feature {feature.name!r} is not in front of {sensor!r} in frame {frame}; begin with another frame")
     clicks = stream(dataset.manifest.seed, frame, f"knowledge.corner_prior.{feature.name}")
     return np.asarray(corners + clicks.normal(scale=sigma_px, size=corners.shape)) if sigma_px > 0 else corners

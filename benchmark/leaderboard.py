@@ -1,6 +1,6 @@
 """The result table as rows of text: what the terminal prints and the page shows, from the same summaries."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,13 +29,45 @@ def rows(folder: Path, index: Results) -> Iterator[Row]:
             yield Row(entry, summary, cells(summary))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Overall:
+    """One method over all its entries: counts, which add up, and its mean CPU time."""
+
+    title: str
+    frames: int
+    answered: int
+    wrong: int
+    label_switches: int
+    cpu_s_per_frame: float | None
+
+
+def overall(table: Sequence[Row]) -> list[Overall]:
+    """A line per method, in order of appearance. Errors of different features are not averaged, only counts are added."""
+    lines = []
+    for title in dict.fromkeys(row.entry.title for row in table):
+        mine = [row.summary for row in table if row.entry.title == title]
+        timed = [(one.cpu_s_per_frame, one.frames) for one in mine if one.cpu_s_per_frame is not None]
+        frames = sum(count for _, count in timed)
+        lines.append(
+            Overall(
+                title=title,
+                frames=sum(one.frames for one in mine),
+                answered=sum(one.answered for one in mine),
+                wrong=sum(one.wrong for one in mine),
+                label_switches=sum(one.label_switches for one in mine),
+                cpu_s_per_frame=sum(cpu * count for cpu, count in timed) / frames if frames else None,
+            )
+        )
+    return lines
+
+
 def cells(summary: Summary) -> dict[str, str]:
     """The texts of one row. Angles in degrees; an em dash where there is nothing to say."""
     swept = summary.swept
     return {
         "method": summary.title,
         "answered": f"{summary.answered}/{summary.frames}",
-        "wrong": f"{round(summary.wrong_but_confident * summary.frames)}",
+        "wrong": str(summary.wrong),
         "mean": "—" if swept is None else f"{swept.mean_deg.value:+.2f}",
         "sd": "—" if swept is None else number(swept.sd_deg.value),
         "max": "—" if swept is None else number(swept.max_deg),

@@ -26,12 +26,11 @@ class KnowledgeRecord(Spec):
     aspect: float | None = None
     corner_prior: CornerPriorRecord | None = None
 
-    @property
-    def sentence(self) -> str:
-        """The declaration as a person reads it."""
+    def sentence(self, *, named: bool = True) -> str:
+        """The declaration as a person reads it; without ``named`` the rectangle's name is left out."""
         told = ["calibration"]
         if self.feature is not None:
-            told.append(f"that it sees the rectangle '{self.feature}'")
+            told.append("how the rectangle" + (f" '{self.feature}'" if named else "") + " lies on the target")
         if self.aspect is not None:
             told.append(f"its aspect ratio {self.aspect:.3g}")
         if self.corner_prior is not None:

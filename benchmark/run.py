@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scenes.dataset import Dataset
 
 from benchmark import predictions
 from benchmark.errors import ResultsConflict
@@ -22,8 +21,8 @@ from benchmark.predictions import COLUMNS, QUATERNION, TRANSLATION, Predictions
 from benchmark.progress import Progress
 from benchmark.records import MachineRecord, RunRecord
 from estimators.api import Estimate, Estimator, Outcome
+from scenes.dataset import Dataset
 from scenes.recording import Knowledge, Observation
-
 
 
 @dataclass(slots=True)
@@ -87,9 +86,7 @@ def answer(
     rows, extras = [], []
     for done, frame in enumerate(dataset.frames, start=1):
         watch = Stopwatch()
-        result = (
-            _crashed(sensor, broken) if broken else _step(estimator, dataset.observation(frame), knowledge, sensor, watch)
-        )
+        result = _crashed(sensor, broken) if broken else _step(estimator, dataset.observation(frame), knowledge, sensor, watch)
         rows.append(_row(frame, result, watch))
         extras.append({"frame": frame, "sensor": result.sensor, "reason": result.reason, **result.extras})
         if progress is not None:
@@ -155,9 +152,7 @@ def refuse_to_mix(out: Path, record: RunRecord) -> None:
     for name in ("method", "parameters", "dataset_identity", "knowledge"):
         old, new = getattr(there, name), getattr(record, name)
         if old != new:
-            raise ResultsConflict(
-                f"{out} holds the answers of another run ({name}: {old} there, {new} now); choose another folder"
-            )
+            raise ResultsConflict(f"{out} holds the answers of another run ({name}: {old} there, {new} now); choose another folder")
 
 
 def this_machine() -> MachineRecord:

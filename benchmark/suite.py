@@ -11,9 +11,7 @@ from scenes.scenario import MATERIAL_REFERENCES, REFERENCES, Quality, Scenario
 from scenes.spec import NonNegative, Spec
 
 _SCENARIO = "cases.*.scenario"
-_REFERENCES = {_SCENARIO: "scenario"} | {
-    f"{_SCENARIO}.{path}": kind for path, kind in (REFERENCES | MATERIAL_REFERENCES).items()
-}
+_REFERENCES = {_SCENARIO: "scenario"} | {f"{_SCENARIO}.{path}": kind for path, kind in (REFERENCES | MATERIAL_REFERENCES).items()}
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]*$", max_length=64)]  # becomes a folder's name
 

@@ -73,6 +73,7 @@ class Summary(Spec):
     outcomes: dict[str, int]
     availability: Fraction
     wrong_threshold_deg: float = WRONG_DEG
+    wrong: int
     wrong_but_confident: Fraction
     label_switches: int
     geodesic_median_deg: Figure | None = None
@@ -88,13 +89,15 @@ def figures(scores: pd.DataFrame, swept: str | None) -> dict[str, object]:
     """The counted and computed fields of ``Summary`` from the score rows of one sensor, in frame order."""
     answered = scores[scores["outcome"] == "ok"]
     error_deg = answered["geodesic_deg"].to_numpy(dtype=np.float64)
+    wrong = int(np.count_nonzero(error_deg > WRONG_DEG))
     cpu_s = scores["cpu_s"].to_numpy(dtype=np.float64)
     return {
         "frames": len(scores),
         "answered": len(answered),
         "outcomes": {str(name): int(count) for name, count in scores["outcome"].value_counts().sort_index().items()},
         "availability": len(answered) / len(scores),
-        "wrong_but_confident": float(np.count_nonzero(error_deg > WRONG_DEG)) / len(scores),
+        "wrong": wrong,
+        "wrong_but_confident": wrong / len(scores),
         "geodesic_median_deg": _figure(error_deg, lambda v: float(np.median(v))),
         "geodesic_p95_deg": _figure(error_deg, lambda v: float(np.percentile(v, 95))),
         "swept": _swept(scores, swept) if swept is not None and len(answered) else None,

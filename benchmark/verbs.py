@@ -1,10 +1,10 @@
 """What each verb of the command line does, and what it says."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from benchmark.console import Console
-from scenes.errors import FAULT_FOUND, UsageError
+from scenes.errors import FAULT_FOUND, UsageError, unknown
 
 if TYPE_CHECKING:
     from benchmark.results import Results
@@ -38,7 +38,7 @@ def render(
     seed: int | None,
     overrides: list[str],
     workers: int,
-    quality: "Quality | None",
+    quality: str | None,
     resume: bool,
     console: Console,
 ) -> None:
@@ -48,13 +48,12 @@ def render(
 
     loaded = load_scenario(scenario, overrides)
     selected = None if frames is None else parse_frames(frames, loaded.frame_count)
+    preset = _preset(quality)
     from renderer.generate import generate
 
     count = loaded.frame_count if selected is None else len(selected)
     with console.stage(f"render {count} frames") as progress:
-        generate(
-            loaded, out, frames=selected, seed=seed, workers=workers, resume=resume, quality=quality, progress=progress
-        )
+        generate(loaded, out, frames=selected, seed=seed, workers=workers, resume=resume, quality=preset, progress=progress)
     console.say(f"{out}: {count} frames")
 
 
@@ -120,13 +119,13 @@ def judge(answers: Path, path: Path, out: Path, console: Console) -> None:
     _print_table(out, index, console)
 
 
-def bench(suite: str, out: Path, workers: int, quality: "Quality | None", console: Console) -> None:
+def bench(suite: str, out: Path, workers: int, quality: str | None, console: Console) -> None:
     """Runs a suite, prints the leaderboard, writes the page."""
     from benchmark import bench as benching
     from benchmark.suite import load_suite
 
-    loaded = load_suite(suite)
-    index = benching.bench(loaded, out, workers=workers, quality=quality, stages=console.stage)
+    loaded, preset = load_suite(suite), _preset(quality)
+    index = benching.bench(loaded, out, workers=workers, quality=preset, stages=console.stage)
     _print_table(out, index, console)
     report(out, console)
 
@@ -136,6 +135,17 @@ def report(folder: Path, console: Console) -> None:
     from benchmark import report as page
 
     console.say(f"the report: {page.write(folder).resolve()}")
+
+
+def _preset(name: str | None) -> "Quality | None":
+    from scenes.scenario import Quality
+
+    for preset in get_args(Quality):
+        if name == preset:
+            return preset  # type: ignore[no-any-return]
+    if name is not None:
+        raise UsageError(unknown("quality preset", name, get_args(Quality)))
+    return None
 
 
 def _print_table(folder: Path, index: "Results", console: Console) -> None:

@@ -60,8 +60,8 @@ def test_the_record_says_everything_that_was_told(dataset: Dataset) -> None:
     assert record.corner_prior is not None
     assert knowledge.corner_prior is not None
     assert_allclose(record.corner_prior.corners_px, knowledge.corner_prior.corners_px, atol=0)
-    assert record.sentence == (
-        "calibration, that it sees the rectangle 'panel', its aspect ratio 2, "
+    assert record.sentence() == (
+        "calibration, how the rectangle 'panel' lies on the target, its aspect ratio 2, "
         "its 4 corner pixels in the first frame (σ 3 px)"
     )
     assert type(record).model_validate_json(record.model_dump_json()) == record
@@ -90,7 +90,7 @@ def test_several_features_need_a_choice(make_dataset: Callable[..., Dataset], tm
 def test_no_feature_means_calibration_alone(make_dataset: Callable[..., Dataset], tmp_path: Path) -> None:
     declared = declare(make_dataset(tmp_path / "none", frames=range(1), features=()))
     assert declared.knowledge.rectangle is None
-    assert declared.record.sentence == "calibration"
+    assert declared.record.sentence() == "calibration"
 
 
 def test_a_feature_behind_the_camera_cannot_be_clicked(make_dataset: Callable[..., Dataset], tmp_path: Path) -> None:

@@ -17,9 +17,7 @@ from scenes.recording import Knowledge, Observation
 
 
 def _record(dataset: Dataset, **more: Any) -> RunRecord:
-    return RunRecord(
-        format="hardlight-predictions", version=1, method="toy", dataset_identity=dataset.identity, **more
-    )
+    return RunRecord(format="hardlight-predictions", version=1, method="toy", dataset_identity=dataset.identity, **more)
 
 
 def _run(dataset: Dataset, estimator: Any) -> Predictions:
@@ -46,9 +44,7 @@ def test_the_toy_method_answers_every_frame_near_the_truth(dataset: Dataset, toy
         ("mutate", list(range(21)), "ValueError: assignment destination is read-only"),
     ],
 )
-def test_misbehaviour_is_a_row_with_its_reason(
-    dataset: Dataset, toy: Any, mischief: str, frames: list[int], reason: str
-) -> None:
+def test_misbehaviour_is_a_row_with_its_reason(dataset: Dataset, toy: Any, mischief: str, frames: list[int], reason: str) -> None:
     answers = _run(dataset, toy(mischief))
     crashed = answers.table[answers.table["outcome"] == "crashed"]
     assert crashed["frame"].tolist() == frames

@@ -1,0 +1,135 @@
+"""What every estimator must do, whoever wrote it: our own methods pass the same checks as a stranger's.
+
+``faults`` takes a factory of fresh estimators and a recording (declared knowledge and successive observations) and returns one
+sentence for each broken promise: a black picture does not raise and is not answered, inputs stay as they were, the same input
+gives the same output, every step gives an estimate that keeps its contract, and a re-labelled target frame turns the answer
+with it.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from estimators.api import Estimate, Estimator, Outcome
+from scenes.recording import Image, Knowledge, Observation
+
+Factory = Callable[[], Estimator]
+RELABELLING = Rotation.from_euler("xyz", [20.0, -35.0, 50.0], degrees=True)
+_SAME_RAD = 1e-6
+
+
+def faults(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> list[str]:
+    """One sentence for each promise that the method breaks on this recording; empty for a conforming method."""
+    first, complaint = _answers(make, knowledge, observations)
+    if complaint:
+        return [f"the recording: {complaint}"]
+    return [
+        *_contract(first, knowledge),
+        *_same_again(first, make, knowledge, observations),
+        *_inputs_untouched(make, knowledge, observations),
+        *_black(make, knowledge, observations),
+        *_relabelled(first, make, knowledge, observations),
+    ]
+
+
+def _answers(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> tuple[list[Estimate], str]:
+    """The answers of a fresh estimator, and what it raised if it did."""
+    answers: list[Estimate] = []
+    try:
+        estimator = make()
+        estimator.start(knowledge)
+        answers.extend(estimator.step(observation) for observation in observations)
+    except Exception as error:
+        return answers, f"it raises {type(error).__name__}: {error} after {len(answers)} frames"
+    return answers, ""
+
+
+def _contract(answers: Sequence[Estimate], knowledge: Knowledge) -> Iterator[str]:
+    for number, answer in enumerate(answers):
+        if not isinstance(answer, Estimate):
+            yield f"frame {number}: step returns {type(answer).__name__}, not an Estimate"
+            return
+        if answer.sensor not in knowledge.sensors:
+            yield f"frame {number}: it answers for the unknown sensor {answer.sensor!r}"
+        if (answer.outcome is Outcome.OK) != (answer.sensor_from_target is not None):
+            yield f"frame {number}: outcome {answer.outcome.value} and a pose {answer.sensor_from_target} contradict each other"
+        if answer.outcome is not Outcome.OK and not answer.reason:
+            yield f"frame {number}: outcome {answer.outcome.value} without a reason"
+
+
+def _same_again(
+    first: Sequence[Estimate], make: Factory, knowledge: Knowledge, observations: Sequence[Observation]
+) -> Iterator[str]:
+    again, complaint = _answers(make, knowledge, observations)
+    differ = [number for number, (one, two) in enumerate(zip(first, again, strict=False)) if not _equal(one, two)]
+    if complaint or differ:
+        yield f"the same input gives another output ({complaint or f'first in frame {differ[0]}'})"
+
+
+def _equal(one: Estimate, two: Estimate) -> bool:
+    """Bit for bit: outcome, rotation, translation and extras."""
+    if not isinstance(one, Estimate) or not isinstance(two, Estimate):
+        return type(one) is type(two)
+    if one.outcome is not two.outcome or dict(one.extras).keys() != dict(two.extras).keys():
+        return False
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(_numbers(one), _numbers(two), strict=True))
+
+
+def _numbers(answer: Estimate) -> list[np.ndarray]:
+    rotation = np.empty(0) if answer.sensor_from_target is None else answer.sensor_from_target.as_quat()
+    position = np.empty(0) if answer.translation_m is None else np.asarray(answer.translation_m)
+    return [rotation, position, np.array(list(answer.extras.values()), dtype=np.float64)]
+
+
+def _inputs_untouched(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> Iterator[str]:
+    """Hands over writable copies, so that a method which writes succeeds and is found out."""
+    copies = [_with_pixels(observation, lambda pixels: pixels.copy()) for observation in observations]
+    _answers(make, knowledge, copies)
+    for observation, copy in zip(observations, copies, strict=True):
+        for name, image in observation.images.items():
+            if not np.array_equal(image.pixels, copy.images[name].pixels):
+                yield f"frame {observation.frame}: it writes into the picture of {name!r}"
+                return
+
+
+def _black(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> Iterator[str]:
+    """A black picture in the first frame, and one between good ones, must be failures that say so."""
+    for place in (0, len(observations) // 2):
+        recording = list(observations)
+        recording[place] = _with_pixels(observations[place], np.zeros_like)
+        answers, complaint = _answers(make, knowledge, recording)
+        if complaint:
+            yield f"a black picture in frame {place}: {complaint}"
+        elif answers[place].outcome is Outcome.OK:
+            yield f"a black picture in frame {place} is answered with a pose"
+
+
+def _relabelled(
+    first: Sequence[Estimate], make: Factory, knowledge: Knowledge, observations: Sequence[Observation]
+) -> Iterator[str]:
+    """If the target's axes are called otherwise, p' = Q p, the same camera sees sensor_from_target' = sensor_from_target Q⁻¹."""
+    if knowledge.rectangle is None:
+        return
+    rectangle = replace(knowledge.rectangle, target_from_feature=RELABELLING * knowledge.rectangle.target_from_feature)
+    turned, complaint = _answers(make, replace(knowledge, rectangle=rectangle), observations)
+    if complaint:
+        yield f"with a re-labelled target frame: {complaint}"
+        return
+    for number, (one, two) in enumerate(zip(first, turned, strict=True)):
+        if (one.sensor_from_target is None) != (two.sensor_from_target is None):
+            yield f"frame {number}: a re-labelled target frame changes the outcome to {two.outcome.value}"
+            return
+        if one.sensor_from_target is None or two.sensor_from_target is None:
+            continue
+        off_rad = float((one.sensor_from_target.inv() * two.sensor_from_target * RELABELLING).magnitude())
+        if off_rad > _SAME_RAD:
+            yield f"frame {number}: a re-labelled target frame turns the answer by {np.degrees(off_rad):.3g}° too much"
+            return
+
+
+def _with_pixels(observation: Observation, change: Callable[[np.ndarray], np.ndarray]) -> Observation:
+    images = {name: Image(change(image.pixels)) for name, image in observation.images.items()}
+    return replace(observation, images=MappingProxyType(images))
