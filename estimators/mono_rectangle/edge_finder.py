@@ -1,0 +1,97 @@
+"""One edge in one picture: predicted line → coarse search → fine fit → gates → the candidates that are left."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.mono_rectangle.closed_form import depth_ratios
+from estimators.mono_rectangle.edge_refit import EdgeFit, EdgeRefit
+from estimators.mono_rectangle.edge_search import search_lines
+from estimators.mono_rectangle.parameters import TrackedParameters
+from estimators.mono_rectangle.quadrilateral import LONG_EDGES, edge_ends, edge_normals, normalised_from_ideal
+from estimators.mono_rectangle.stations import image_fraction, stations_along
+from estimators.mono_rectangle.vertex_track import VertexTrack, line_innovation
+from estimators.mono_rectangle.visibility import GreyScale, why_invisible
+from scenes.arrays import Floats
+from scenes.intrinsics import Intrinsics
+from scenes.recording import Rectangle
+
+_SAME_LINE_PX = 0.5
+_SUPPORT_COST = 8.0  # what a wholly unsupported edge would cost, in squared sigmas of the prediction
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """A visible line that may be the edge; ``cost``: squared sigmas from the prediction and a price on missing support."""
+
+    fit: EdgeFit
+    noise: Floats
+    cost: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sighting:
+    """What was seen of one edge: candidates, cheapest first; ``reason`` says why there is none."""
+
+    candidates: tuple[Candidate, ...]
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeFinder:
+    """Finds the edges of one rectangle in one sensor's pictures."""
+
+    intrinsics: Intrinsics
+    grey: GreyScale
+    rectangle: Rectangle
+    parameters: TrackedParameters
+
+    def find(self, pixels: NDArray[np.generic], track: VertexTrack, edge: int) -> Sighting:
+        """The candidates for an edge near its predicted place."""
+        p = self.parameters
+        ends, centre = edge_ends(track.vertices_px)[edge], track.vertices_px.mean(axis=0)
+        normal, gap = edge_normals(ends, centre), self._gap(track.vertices_px, edge)
+        spread = float(np.sqrt(np.diag(track.line_covariance(edge, normal)).max()))
+        window = min(p.min_window_px + p.window_sigmas * spread, p.max_window_px)
+        trim = (p.trim_fraction, p.trim_px)
+        refit = EdgeRefit(self.intrinsics, p.kernel_sigma_px, trim, gap, (p.level_from_px, p.level_to_px))
+        stations = stations_along(ends, normal, self.intrinsics, trim, gap)
+        least_dn = p.min_step * (self.grey.white_dn - self.grey.black_dn)
+        polarities = (1,) if self.rectangle.free_standing else (1, -1)
+        found: list[Candidate] = []
+        reason = ""
+        for shift, polarity in search_lines(pixels, stations, window, 2 * least_dn, polarities, p.candidates):
+            fit = refit.fit(pixels, ends + shift[:, None] * normal, centre, polarity)
+            verdict, candidate = self._judge(fit, track, edge, window)
+            if candidate is not None and not any(_same(candidate, other) for other in found):
+                found.append(candidate)
+            reason = reason or verdict
+        found.sort(key=lambda candidate: candidate.cost)
+        return Sighting(tuple(found), "" if found else reason or "no straight step of brightness near it")
+
+    def _judge(self, fit: EdgeFit | None, track: VertexTrack, edge: int, window: float) -> tuple[str, Candidate | None]:
+        if fit is None:
+            return "the line fit ran away", None
+        if verdict := why_invisible(fit, self.grey, self.rectangle.free_standing, self.parameters):
+            return verdict, None
+        noise = fit.covariance + self.parameters.vertex_sigma_px**2 * np.eye(2)
+        gap, squared = line_innovation(track, edge, fit.ends_px, fit.normal, noise)
+        if np.abs(gap).max() > window + 1 or squared > self.parameters.edge_gate_sigmas**2:
+            return f"the nearest line is {np.abs(gap).max():.1f} px from where it should be", None
+        return "", Candidate(fit, noise, squared + _SUPPORT_COST * (1 - fit.support))
+
+    def _gap(self, vertices_px: Floats, edge: int) -> tuple[float, float] | None:
+        """Image fractions between which a long edge does not exist: the declared fractions, seen in perspective."""
+        if self.rectangle.gap is None or edge not in LONG_EDGES:
+            return None
+        ratios = depth_ratios(normalised_from_ideal(vertices_px, self.intrinsics))
+        ratio = float(ratios.a if edge == 0 else ratios.c / ratios.b)
+        ratio = float(np.clip(ratio, 0.5, 2.0)) if np.isfinite(ratio) else 1.0
+        margin = self.parameters.gap_margin
+        low, high = self.rectangle.gap[0] - margin, self.rectangle.gap[1] + margin
+        return image_fraction(max(low, 0.0), ratio), image_fraction(min(high, 1.0), ratio)
+
+
+def _same(one: Candidate, other: Candidate) -> bool:
+    return float(np.abs((one.fit.ends_px - other.fit.ends_px) @ one.fit.normal).max()) < _SAME_LINE_PX

@@ -1,0 +1,42 @@
+"""What a rectangle method is told before the first frame, checked, and how it gets at a frame's picture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.recording import CornerPrior, Knowledge, Observation, Rectangle, SensorModel
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setting:
+    """The one sensor that is looked through, the rectangle, and the corners in the first frame."""
+
+    sensor_name: str
+    sensor: SensorModel
+    rectangle: Rectangle
+    prior: CornerPrior
+
+    def pixels(self, observation: Observation) -> NDArray[np.generic] | str:
+        """The sensor's picture (height, width), or a sentence why there is none to use."""
+        if self.sensor_name not in observation.images:
+            return f"frame {observation.frame} has no picture of {self.sensor_name!r}"
+        pixels = observation.images[self.sensor_name].pixels
+        expected = (self.sensor.intrinsics.height_px, self.sensor.intrinsics.width_px)
+        if pixels.shape != expected:
+            return f"the picture is {pixels.shape} px (rows, columns), the calibration says {expected}"
+        return pixels
+
+
+def setting_from(knowledge: Knowledge) -> Setting:
+    """The checked setting. Raises ``ValueError`` naming what is missing."""
+    if knowledge.rectangle is None:
+        raise ValueError("a rectangle method needs Knowledge.rectangle: which feature of the target to look for")
+    if knowledge.corner_prior is None:
+        raise ValueError("a rectangle method needs Knowledge.corner_prior: the four corners in the first frame")
+    name = knowledge.corner_prior.sensor
+    if name not in knowledge.sensors:
+        raise ValueError(f"the corner prior is for sensor {name!r}, but the sensors are {sorted(knowledge.sensors)}")
+    if np.shape(knowledge.corner_prior.corners_px) != (4, 2):
+        raise ValueError(f"the corner prior has shape {np.shape(knowledge.corner_prior.corners_px)}, expected (4, 2)")
+    return Setting(name, knowledge.sensors[name], knowledge.rectangle, knowledge.corner_prior)
