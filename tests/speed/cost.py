@@ -1,0 +1,73 @@
+"""What a frame costs: CPU seconds by stage, and whether memory stays flat. Run: python tests/speed/cost.py [frames]
+
+CPU time, not wall time: the figures are the process's own whatever else runs on the machine. A frame here is all of it:
+render, filter, detect, truth, EXR and PNG encoded and published on disk.
+"""
+
+import sys
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from renderer import session
+from renderer.generate import FrameMaker, manifest_of
+from renderer.variant import probe
+from scenes.dataset_writer import DatasetWriter
+from scenes.scenario import load_scenario
+
+LIMIT_CPU_S = {"standard": 2.0, "fast": 0.8}
+spent: dict[str, float] = defaultdict(float)
+
+
+def timed(stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    def run(*args: Any, **more: Any) -> Any:
+        start = time.process_time()
+        try:
+            return function(*args, **more)
+        finally:
+            spent[stage] += time.process_time() - start
+
+    return run
+
+
+def measure(quality: str, frames: int, folder: Path) -> None:
+    spent.clear()
+    scenario = load_scenario("zhai2014-in-plane", [f"quality={quality}"])
+    maker = FrameMaker(scenario)
+    writer = DatasetWriter.open(folder / quality, manifest_of(scenario, range(frames), probe()))
+    for frame in range(2):  # recording and compilation
+        writer.write(maker.record(frame))
+    spent.clear()
+    memory, start = {}, time.process_time()
+    for frame in range(2, frames):
+        record = maker.record(frame)
+        timed("files", writer.write)(record)
+        memory[frame] = psutil.Process().memory_info().rss / 2**20
+    total = time.process_time() - start
+    n = frames - 2
+    other = total - sum(spent.values())
+    print(f"{quality}: {total / n:.3f} CPU s a frame (limit {LIMIT_CPU_S[quality]})")
+    for stage, seconds in sorted(spent.items()):
+        print(f"  {stage:10s} {seconds / n:.4f} s  {seconds / total:6.1%}")
+    print(f"  {'other':10s} {other / n:.4f} s  {other / total:6.1%}  (limit 15 %)")
+    early = min(20, frames - 1)
+    print(f"  memory {memory[early]:.0f} MiB at frame {early}, {memory[frames - 1]:.0f} MiB at frame {frames - 1}")
+
+
+def main() -> None:
+    """Times both presets; the stages are the renderer's own seams."""
+    session._Runner.__call__ = timed("kernels", session._Runner.__call__)  # type: ignore[method-assign]
+    session.denoise_indirect = timed("denoiser", session.denoise_indirect)
+    frames = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    with tempfile.TemporaryDirectory() as folder:
+        measure("standard", frames, Path(folder))
+        measure("fast", min(frames, 60), Path(folder))
+
+
+if __name__ == "__main__":
+    main()
