@@ -38,8 +38,7 @@ def load(
     file, source = locate(name_or_path, folder_of(kind), on_command_line, library)
     resolver = Resolver({**(references or {}), "": kind}, library)
     tree = resolver.resolve(read_toml(file, source), source, trail=(file.resolve(),))
-    tree, faults = _overridden(tree, overrides)
-    tree = resolver.resolve(tree, source, trail=(file.resolve(),))
+    tree, faults = _overridden(tree, overrides, resolver)
     return _validated(tree, model, [*resolver.faults, *faults], resolver)
 
 
@@ -64,12 +63,13 @@ def parse_override(text: str) -> tuple[list[str], Any]:
     return keys, parsed["value"] if parsed.keys() == {"value"} else value.strip()
 
 
-def _overridden(tree: Table, overrides: Iterable[str]) -> tuple[Table, list[str]]:
+def _overridden(tree: Table, overrides: Iterable[str], resolver: Resolver) -> tuple[Table, list[str]]:
+    """The tree with the overrides in it, each seeing what the ones before it named, and what was wrong with them."""
     faults = []
     for text in overrides:
         try:
             keys, value = parse_override(text)
-            tree = assigned(tree, keys, value, Source("--set", Path(), None))
+            tree = resolver.resolve(assigned(tree, keys, value, Source("--set", Path(), None)), tree.origin)
         except UsageError as error:
             faults.append(str(error) if str(error).startswith("--set") else f"--set {text!r}: {error}")
     return tree, faults
@@ -79,7 +79,7 @@ def _validated(tree: Table, model: type[Model], faults: list[str], resolver: Res
     try:
         checked = model.model_validate(tree, strict=True)  # no string for a number; lists are tuples in the tree
     except ValidationError as error:
-        raise ConfigError(faults + sentences(error, model, tree, resolver.broken)) from None
+        raise ConfigError(faults + sentences(error, model, tree, resolver)) from None
     if faults:
         raise ConfigError(faults)
     return checked

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
 from pydantic import BaseModel, ValidationError
 
 from scenes.config_keys import allowed_keys
+from scenes.config_references import Resolver
 from scenes.config_tree import KeyPath, Source, Table, dotted, shown
 from scenes.errors import nearest
 
@@ -53,15 +54,20 @@ class _Fault:
     error: Mapping[str, Any]
 
     @property
+    def where(self) -> str:
+        return f"{self.source.label}: {dotted(self.path)}" if self.path else self.source.label
+
+    @property
     def is_mismatch(self) -> bool:
         return self.error["type"] in _ARTICLE
 
 
-def sentences(error: ValidationError, model: type[BaseModel], tree: Table, broken: Iterable[KeyPath]) -> list[str]:
-    """One sentence a fault, in the order of the model; nothing about key paths that are ``broken`` already."""
+def sentences(error: ValidationError, model: type[BaseModel], tree: Table, resolver: Resolver) -> list[str]:
+    """One sentence a fault, in the order of the model; nothing about key paths that ``resolver`` found broken already."""
     faults = [_located(entry, tree) for entry in error.errors(include_url=False)]
-    faults = [fault for fault in faults if not any(fault.path[: len(path)] == path for path in broken)]
-    return list(dict.fromkeys(_sentence(fault, faults, model, tree) for fault in faults if _is_told(fault, faults)))
+    faults = [fault for fault in faults if not any(fault.path[: len(path)] == path for path in resolver.broken)]
+    told = [fault for fault in faults if _is_told(fault, faults)]
+    return list(dict.fromkeys(_mismatch(fault, told, resolver) or _sentence(fault, model, tree) for fault in told))
 
 
 def _is_told(fault: _Fault, faults: list[_Fault]) -> bool:
@@ -70,16 +76,21 @@ def _is_told(fault: _Fault, faults: list[_Fault]) -> bool:
     return not fault.is_mismatch or all(other.is_mismatch for other in faults if other.path[:depth] == fault.path)
 
 
-def _sentence(fault: _Fault, faults: list[_Fault], model: type[BaseModel], tree: Table) -> str:
-    where = f"{fault.source.label}: {dotted(fault.path)}" if fault.path else fault.source.label
-    if fault.is_mismatch:
-        kinds = {_ARTICLE[other.error["type"]]: None for other in faults if other.is_mismatch and other.path == fault.path}
-        return f"{where}: got {_typed(fault.given)}, must be {' or '.join(kinds)}"
-    if fault.error["type"] == "extra_forbidden":
-        allowed = allowed_keys(model, fault.error["loc"], _at(tree, fault.path[:-1]))
-        key = str(fault.path[-1])
-        return f"{where}: no such key{nearest(key, allowed)} (got {shown(fault.given)}; allowed: {', '.join(allowed)})"
-    return f"{where}: {_reason(fault)}"
+def _mismatch(fault: _Fault, faults: list[_Fault], resolver: Resolver) -> str:
+    """A value of the wrong kind, with all kinds that are allowed there; empty where the fault is another."""
+    if not fault.is_mismatch:
+        return ""
+    kinds = {_ARTICLE[other.error["type"]]: None for other in faults if other.is_mismatch and other.path == fault.path}
+    name = " or a name" if resolver.kind(fault.path) else ""
+    return f"{fault.where}: got {_typed(fault.given)}, must be {' or '.join(kinds)}{name}"
+
+
+def _sentence(fault: _Fault, model: type[BaseModel], tree: Table) -> str:
+    if fault.error["type"] != "extra_forbidden":
+        return f"{fault.where}: {_reason(fault)}"
+    allowed = allowed_keys(model, fault.error["loc"], _at(tree, fault.path[:-1]))
+    hint = nearest(str(fault.path[-1]), allowed)
+    return f"{fault.where}: no such key{hint} (got {shown(fault.given)}; allowed: {', '.join(allowed)})"
 
 
 def _reason(fault: _Fault) -> str:

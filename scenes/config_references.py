@@ -30,7 +30,7 @@ class Resolver:
 
     def resolve(self, value: Any, source: Source, path: KeyPath = (), trail: tuple[Path, ...] = ()) -> Any:
         """``value``, found at ``path`` in ``source``, with everything in it resolved. ``trail``: files that led here."""
-        kind = self._kind(path)
+        kind = self.kind(path)
         if kind and path not in self.broken:
             value, trail = self._entry(value, source, path, kind, trail)
         if isinstance(value, Table):
@@ -53,29 +53,28 @@ class Resolver:
             if isinstance(value, str) and path:
                 return self._read(value, source, kind, trail)
             if isinstance(value, Table) and BASE in value:
-                return self._refined(value, path, kind, trail)
+                return self._refined(value, kind, trail)
         except ConfigError as error:
             self._fault(source, path, error.faults[0])
         return value, trail
-
-    def _refined(self, value: Table, path: KeyPath, kind: str, trail: tuple[Path, ...]) -> tuple[Any, tuple[Path, ...]]:
-        name, source = value[BASE], value.sources[BASE]
-        if not isinstance(name, str):
-            raise ConfigError([f"{BASE} is {shown(name)}, must be the name of a {kind} or a path"])
-        base, trail = self._read(name, source, kind, trail)
-        if BASE in base:
-            base, trail = self._refined(base, path, kind, trail)
-        by = Table(value.origin)
-        for key in value.keys() - {BASE}:
-            by.put(key, value[key], value.sources[key])
-        return refined(base, by), trail
 
     def _read(self, name: str, source: Source, kind: str, trail: tuple[Path, ...]) -> tuple[Table, tuple[Path, ...]]:
         file, origin = locate(name, folder_of(kind), source, self.library)
         real = file.resolve()
         if real in trail:
             raise ConfigError([f"{name!r} names itself by way of {' and '.join(step.name for step in trail)}"])
-        return read_toml(file, origin), (*trail, real)
+        table, trail = read_toml(file, origin), (*trail, real)
+        return self._refined(table, kind, trail) if BASE in table else (table, trail)
+
+    def _refined(self, value: Table, kind: str, trail: tuple[Path, ...]) -> tuple[Table, tuple[Path, ...]]:
+        name, source = value[BASE], value.sources[BASE]
+        if not isinstance(name, str):
+            raise ConfigError([f"{BASE} is {shown(name)}, must be a name of the library's {folder_of(kind)} or a path"])
+        base, trail = self._read(name, source, kind, trail)
+        by = Table(value.origin)
+        for key in value.keys() - {BASE}:
+            by.put(key, value[key], value.sources[key])
+        return refined(base, by), trail
 
     def _mesh(self, table: Table, path: KeyPath) -> None:
         source = table.sources["path"]
@@ -90,7 +89,8 @@ class Resolver:
         self.broken.add(path)
         self.faults.append(f"{source.label}: {dotted(path)}: {text}" if path else f"{source.label}: {text}")
 
-    def _kind(self, path: KeyPath) -> str | None:
+    def kind(self, path: KeyPath) -> str | None:
+        """Of which kind an entry may be named at ``path``; None where a string is just a string."""
         return next((kind for pattern, kind in self.references.items() if _matches(pattern, path)), None)
 
 

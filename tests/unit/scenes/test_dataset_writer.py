@@ -126,7 +126,10 @@ def test_an_equal_data_set_needs_resume(tiny, dataset_path):
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
-        ({"scenario": {"rate_hz": 3.0}}, r"digest: \w{64} in the folder, \w{64} asked for; scenario.rate_hz: 2.0 in the folder, 3.0"),
+        (
+            {"scenario": {"rate_hz": 3.0}},
+            r"digest: \w{64} in the folder, \w{64} asked for; scenario.rate_hz: 2.0 in the folder, 3.0",
+        ),
         ({"seed": 8}, "seed: 7 in the folder, 8 asked for"),
         ({"frames": range(3, 22)}, r"frames: \[3,23,2\] in the folder, \[3,22,1\] asked for"),
         ({"backend": {"variant": "scalar_rgb", "llvm": None}}, "backend.variant: llvm_ad_rgb in the folder, scalar_rgb asked for"),
