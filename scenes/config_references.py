@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from scenes.assets import check_mesh
 from scenes.config_files import LIBRARY, contained, folder_of, locate, read_toml
 from scenes.config_tree import Key, KeyPath, Source, Table, dotted, refined, shown
 from scenes.errors import AssetError, ConfigError
@@ -77,6 +76,8 @@ class Resolver:
         return refined(base, by), trail
 
     def _mesh(self, table: Table, path: KeyPath) -> None:
+        from scenes.assets import check_mesh  # numpy: not needed to list the library
+
         source = table.sources["path"]
         file = source.folder / table["path"]
         try:

@@ -64,12 +64,7 @@ class DatasetWriter:
 
     def write(self, record: FrameRecord) -> None:
         """Publishes one frame; one that is there already is kept. Raises ``StorageError``, then nothing of it is there."""
-        if record.frame not in self.manifest.selected:
-            raise ValueError(f"frame {record.frame} is not one of {self.manifest.selected}")
-        files = self._files(record)
-        digests = {name: sha256_of_bytes(data) for name, data in files.items()}
-        text = frame_json(record, digests).encode()
-        publish_folder(frame_folder(self.path, record.frame), {**files, FRAME_FILE: text})
+        publish_folder(frame_folder(self.path, record.frame), frame_files(self.manifest, record))
 
     def finish(self) -> None:
         """Writes truth.parquet when all frames are there. Raises ``DatasetError`` naming the frames that are missing."""
@@ -80,20 +75,31 @@ class DatasetWriter:
         for folder in (self.path, self.path / FRAMES):
             sweep(folder, all_of_them=True)
 
-    def _files(self, record: FrameRecord) -> dict[str, bytes]:
-        files = {image_name(camera): _png(pixels) for camera, pixels in sorted(record.images.items())}
-        for camera, layers in sorted(record.layers.items()):
-            entry = self.manifest.sensors[camera]
-            size = int(str(entry["width_px"])), int(str(entry["height_px"]))
-            files[layers_name(camera)] = encode(layers, *size, record.windows.get(camera))
-        return files
-
     def _copy_assets(self) -> None:
         for name, source in sorted(self.manifest.assets.items()):
             target = self.path / name
             if not target.exists():
                 target.parent.mkdir(exist_ok=True)
                 publish_file(target, asset_bytes(source, target.stem))
+
+
+def frame_files(manifest: Manifest, record: FrameRecord) -> dict[str, bytes]:
+    """File name → bytes of one frame's folder: a function of manifest and record alone.
+
+    Raises ``ValueError`` where the record is not of one of the manifest's frames or not of its sensors.
+    """
+    if record.frame not in manifest.selected:
+        raise ValueError(f"frame {record.frame} is not one of {manifest.selected}")
+    for given in (record.images, record.layers, record.truth):
+        if given.keys() != manifest.sensors.keys():
+            raise ValueError(f"a frame has the sensors {sorted(given)}, the manifest {sorted(manifest.sensors)}")
+    files = {image_name(camera): _png(pixels) for camera, pixels in sorted(record.images.items())}
+    for camera, layers in sorted(record.layers.items()):
+        entry = manifest.sensors[camera]
+        size = int(str(entry["width_px"])), int(str(entry["height_px"]))
+        files[layers_name(camera)] = encode(layers, *size, record.windows.get(camera))
+    digests = {name: sha256_of_bytes(data) for name, data in files.items()}
+    return {**files, FRAME_FILE: frame_json(record, digests).encode()}
 
 
 def missing_sentence(path: Path, missing: list[int], total: int) -> str:

@@ -9,13 +9,15 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scenes import atomic
 from scenes.dataset_verify import verify
-from scenes.dataset_writer import DatasetWriter
+from scenes.dataset_writer import DatasetWriter, frame_files
 from scenes.errors import AssetError, DatasetConflict, DatasetError, StorageError
 
 KILLS = 10
@@ -112,6 +114,30 @@ def test_missing_and_finish(tiny, tmp_path):
     assert not (tmp_path / "set/truth.parquet").exists()
     with pytest.raises(ValueError, match="frame 4 is not one of"):
         writer.write(tiny.record(4))
+
+
+def test_a_frame_is_a_function_of_its_record(tiny, dataset_path):
+    """What stands on disk can be compared byte by byte with what is made again."""
+    for frame in tiny.manifest().selected:
+        folder = dataset_path / f"frames/{frame:06d}"
+        assert frame_files(tiny.manifest(), tiny.record(frame)) == tiny.content(folder)
+
+
+@pytest.mark.parametrize("what", ["images", "layers", "truth"])
+def test_a_frame_without_one_of_its_sensors_is_refused(tiny, tmp_path, what):
+    writer = DatasetWriter.open(tmp_path / "set", tiny.manifest())
+    record = tiny.record(3)
+    one = {"nav": getattr(record, what)["nav"]}
+    with pytest.raises(ValueError, match=r"has the sensors \['nav'\], the manifest \['nav', 'wide'\]"):
+        writer.write(replace(record, **{what: one}))
+    assert writer.missing()[0] == 3
+
+
+@pytest.mark.parametrize("pixels", [np.zeros((4, 4, 3), np.uint8), np.zeros((4, 4)), np.zeros((4, 4), np.int16)])
+def test_what_is_no_picture_is_refused(tiny, tmp_path, pixels):
+    writer = DatasetWriter.open(tmp_path / "set", tiny.manifest())
+    with pytest.raises(ValueError, match="a picture is"):
+        writer.write(replace(tiny.record(3), images={"nav": pixels, "wide": pixels}))
 
 
 def test_an_equal_data_set_needs_resume(tiny, dataset_path):
