@@ -32,11 +32,12 @@ class KernelPlan:
 def direct_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, plan: KernelPlan) -> dict[str, Any]:
     """Sums over the samples of each pixel of the layers of ``direct_layers``."""
     rng = _generator(mi, frame["direct_seed"], pixel_index)
+    first_stratum = _first_stratum(mi, rng, plan.direct_samples, plan)
     diffuse, specular = mi.Float(0), mi.Float(0)
     hit, facing, unblocked = mi.Float(0), mi.Float(0), mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.direct_samples, exclude=[plan]):
-        ray = _sample_ray(mi, frame, pixel_index, sample, rng, plan.direct_samples, plan)
+        ray = _sample_ray(mi, frame, pixel_index, sample, rng, plan.direct_samples, first_stratum, plan)
         layers = direct_layers(mi, scene, ray, frame["sun"], rng, with_glints=plan.with_glints)
         diffuse += layers["diffuse"]
         specular += layers["specular"]
@@ -51,10 +52,11 @@ def direct_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, 
 def indirect_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, plan: KernelPlan) -> dict[str, Any]:
     """Sum over the samples of each pixel of ``indirect_layer``."""
     rng = _generator(mi, frame["indirect_seed"], pixel_index)
+    first_stratum = _first_stratum(mi, rng, plan.indirect_samples, plan)
     indirect = mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.indirect_samples, exclude=[plan]):
-        ray = _sample_ray(mi, frame, pixel_index, sample, rng, plan.indirect_samples, plan)
+        ray = _sample_ray(mi, frame, pixel_index, sample, rng, plan.indirect_samples, first_stratum, plan)
         indirect += indirect_layer(mi, scene, ray, frame["sun"], rng, max_scatterings=plan.max_scatterings)
         sample += 1
     return {"indirect": indirect}
@@ -82,14 +84,21 @@ def _pixel(mi: Any, frame: dict[str, Any], pixel_index: Any, plan: KernelPlan) -
     return mi.Point2f(mi.Float(column) + frame["window_x"], mi.Float(row) + frame["window_y"])
 
 
-def _sample_ray(mi: Any, frame: dict[str, Any], pixel_index: Any, sample: Any, rng: Any, samples: int, plan: KernelPlan) -> Any:
+def _first_stratum(mi: Any, rng: Any, samples: int, plan: KernelPlan) -> Any:
+    """Which slice of the exposure a pixel's first sample gets: at random, or places and instants would pair up for good."""
+    return mi.UInt32(rng.next_float32() * samples) if plan.moving else mi.UInt32(0)
+
+
+def _sample_ray(
+    mi: Any, frame: dict[str, Any], pixel_index: Any, sample: Any, rng: Any, samples: int, first_stratum: Any, plan: KernelPlan
+) -> Any:
     """A ray of one sample, spread over the pixel's area (box filter) and over the time that the shutter is open."""
     jitter = mi.Point2f(rng.next_float32(), rng.next_float32())
     place = stratified(mi, sample, samples, jitter) if plan.stratified else jitter
     pixel = _pixel(mi, frame, pixel_index, plan) + mi.Vector2f(place.x - 0.5, place.y - 0.5)
     tau = mi.Float(0)
     if plan.moving:
-        stratum = (sample * 37 + pixel_index * 2654435769) % samples  # 37: coprime to every power of two
+        stratum = (sample * 37 + first_stratum) % samples  # 37: coprime to every sample count in use
         tau = (mi.Float(stratum) + rng.next_float32()) / samples - 0.5
     ray, _ = camera_ray(mi, dr, frame, pixel, tau, distorted=plan.distorted)
     return ray
