@@ -11,18 +11,16 @@ from renderer.detection import FixedPattern, detect, exposure_time_s, fixed_patt
 from renderer.masks import fractions, light_mask
 from renderer.optics import blurred
 from renderer.quality import PRESETS
-from renderer.sensor import Shutter
+from renderer.sensor import Shutter, exposure_instants_s, longest_exposure_s
 from renderer.session import Session, View
-from renderer.window import place_window, target_extent, window_size
+from renderer.window import place_window, survey, target_extent
 from scenes.camera import Camera
 from scenes.dataset_frame import pose_columns
 from scenes.detector import AutoExposure
 from scenes.exr import Window
 from scenes.provenance import stream
-from scenes.scenario import Scenario, Scene, realize
+from scenes.scenario import Scenario, Scene
 from scenes.solids import bounding_points
-
-_STILL_PX = 0.01  # motion within one exposure below which a picture counts as sharp
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,15 +44,15 @@ class Photographer:
         self._points = bounding_points(scenario.target)
         self._cam_from_chaser = self._camera.mount.chaser_from_cam.inv()
         self._pattern: FixedPattern = fixed_pattern(self._camera, name, scenario.seed)
-        self._size = window_size(scenario, self._camera)
+        self._survey = survey(scenario, self._camera)
         light = next(iter(scenario.lights.values()))
         self.session = Session(
             scenario.target,
             self._camera,
             light.spectral_irradiance_w_m2_nm,
             PRESETS[scenario.quality],
-            self._size,
-            moving=self._moves(),
+            self._survey.size,
+            moving=self._survey.moves,
         )
 
     def take(self, scene: Scene) -> Photograph:
@@ -66,7 +64,7 @@ class Photographer:
         light = self.session.radiance(view)
         rate = self._electron_rate(light)
         exposure_s = exposure_time_s(self._camera, rate, on_target)
-        if isinstance(rule, AutoExposure):  # blur belongs to the exposure that was chosen
+        if isinstance(rule, AutoExposure) and self._survey.moves:  # blur belongs to the exposure that was chosen
             light = self.session.radiance(view := self._view(scene, exposure_s))
             rate = self._electron_rate(light)
         electrons = rate * np.float32(exposure_s)
@@ -85,20 +83,16 @@ class Photographer:
         return blurred(rate, self._camera.detector.psf_sigma_px)
 
     def _view(self, scene: Scene, exposure_s: float) -> View:
-        half = exposure_s / 2
-        poses = [self._cam_from_chaser * scene.pose_at(scene.time_s + offset) for offset in (-half, 0.0, half)]
-        extent = target_extent(self._camera, poses[1].apply(self._points))
-        shutter = Shutter.between(*(pose.inv() for pose in poses))
-        window = place_window(extent, self._size, self._camera)
+        """The window goes by the longest exposure, so that it does not move with the one that is chosen."""
+        swept = [pose.apply(self._points) for pose in self._poses(scene, longest_exposure_s(self._camera))]
+        window = place_window(target_extent(self._camera, np.concatenate(swept)), self._survey.size, self._camera)
+        shutter = Shutter.between(*(pose.inv() for pose in self._poses(scene, exposure_s)))
         return View(shutter, window, scene.lights[0], self._scenario.seed, scene.frame, self._name)
 
-    def _moves(self) -> bool:
-        """Whether the target moves visibly within the longest exposure, judged at the first frame."""
-        scene = realize(self._scenario, self._scenario.seed, 0)
-        half = _longest_exposure_s(self._camera) / 2
-        poses = [self._cam_from_chaser * scene.pose_at(scene.time_s + offset) for offset in (-half, half)]
-        opened, closed = (self._camera.intrinsics.project(pose.apply(self._points)) for pose in poses)
-        return bool(np.nanmax(np.abs(closed - opened), initial=0.0) > _STILL_PX)
+    def _poses(self, scene: Scene, exposure_s: float) -> list[RigidTransform]:
+        """``cam_from_target`` at the opening, the middle and the closing of the shutter."""
+        instants = exposure_instants_s(scene.time_s, exposure_s)
+        return [self._cam_from_chaser * scene.pose_at(instant_s) for instant_s in instants]
 
     def _truth(self, scene: Scene, view: View) -> dict[str, float]:
         """The pose columns and what else follows from geometry, sensor axes."""
@@ -117,7 +111,3 @@ class Photographer:
     def _visible_fraction(self, cam_from_target: RigidTransform) -> float:
         return self.session.visible_fraction(cam_from_target, self._points, self._camera.intrinsics)
 
-
-def _longest_exposure_s(camera: Camera) -> float:
-    rule = camera.exposure
-    return rule.longest_s if isinstance(rule, AutoExposure) else rule.time_s

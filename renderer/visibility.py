@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
+from renderer.window import outline_px
 from scenes.arrays import Floats
 from scenes.intrinsics import Intrinsics
 
@@ -21,8 +22,7 @@ def visible_fraction(scene: Any, cam_from_target: RigidTransform, points_target:
         return float("nan")
     ideal = points_cam[:, :2] / points_cam[:, 2:]
     low, high = ideal.min(axis=0), ideal.max(axis=0)
-    pixels = intrinsics.pixels_from_normalised(np.array([low, high, [low[0], high[1]], [high[0], low[1]]]))
-    if _inside(pixels, intrinsics).all():
+    if _inside(outline_px(intrinsics, ideal), intrinsics).all():
         return 1.0
     steps = (np.arange(_RAYS_PER_SIDE) + 0.5) / _RAYS_PER_SIDE
     grid = low + np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)

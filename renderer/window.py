@@ -5,32 +5,55 @@ its neighbours.
 """
 
 import math
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from renderer.sensor import exposure_instants_s, longest_exposure_s
 from scenes.arrays import Floats
 from scenes.camera import Camera
 from scenes.exr import Window
-from scenes.scenario import Scenario, realize
+from scenes.intrinsics import Intrinsics
+from scenes.scenario import Scenario
 from scenes.solids import bounding_points
 
 _GRANULARITY_PX = 16
 _PSF_SIGMAS = 5.0
-_SPARE_PX = 3.0  # half a pixel of rounding, lens and motion within the exposure
+_SPARE_PX = 3.0  # rounding of the window's place, and the outermost tail of the lens
+_STILL_PX = 0.01  # motion within one exposure below which a picture counts as sharp
+_OUTLINE_STEPS = 33
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """What a look at all frames of a scenario says: ``size`` (width, height) of the window; whether anything ``moves``."""
+
+    size: tuple[int, int]
+    moves: bool
+
+
+def survey(scenario: Scenario, camera: Camera) -> Survey:
+    """The window that holds the target in every frame from opening to closing of the shutter (at most the whole picture).
+
+    ``moves`` says whether the target moves visibly within the longest exposure of any frame.
+    """
+    points = bounding_points(scenario.target)
+    lens, cam_from_chaser = camera.intrinsics, camera.mount.chaser_from_cam.inv()
+    widest, fastest = np.zeros(2), 0.0
+    for frame in range(scenario.frame_count):
+        opened, middle, closed = (cam_from_chaser.apply(swept) for swept in _swept(scenario, camera, frame, points))
+        box = target_extent(camera, np.concatenate([opened, middle, closed]))
+        widest = np.maximum(widest, box[2:] - box[:2])
+        moved = lens.project(closed) - lens.project(opened)
+        fastest = float(np.nanmax(np.abs(moved), initial=fastest))
+    grain = [_GRANULARITY_PX * math.ceil(edge / _GRANULARITY_PX) for edge in widest + 2 * margin_px(camera) + 1]
+    return Survey((min(grain[0], camera.width_px), min(grain[1], camera.height_px)), fastest > _STILL_PX)
 
 
 def margin_px(camera: Camera) -> float:
     """How far around the target's outline the picture can hold its light."""
     return _SPARE_PX + _PSF_SIGMAS * camera.detector.psf_sigma_px
-
-
-def window_size(scenario: Scenario, camera: Camera) -> tuple[int, int]:
-    """Width and height in pixels that hold the target in every frame of ``scenario`` (at most the whole picture)."""
-    points = bounding_points(scenario.target)
-    boxes = np.array([_extent(scenario, camera, points, frame) for frame in range(scenario.frame_count)])
-    widest = np.max(boxes[:, 2:] - boxes[:, :2], axis=0) + 2 * margin_px(camera) + 1
-    grain = [_GRANULARITY_PX * math.ceil(edge / _GRANULARITY_PX) for edge in widest]
-    return min(grain[0], camera.width_px), min(grain[1], camera.height_px)
 
 
 def place_window(extent: Floats, size: tuple[int, int], camera: Camera) -> Window:
@@ -44,17 +67,31 @@ def place_window(extent: Floats, size: tuple[int, int], camera: Camera) -> Windo
 def target_extent(camera: Camera, points_cam: Floats) -> Floats:
     """Pixels (left, top, right, bottom) around points (n, 3) in the camera frame, cut at the picture's border.
 
-    A target that reaches beside or behind the camera's plane is taken to fill the picture.
+    A target that reaches beside or behind the camera's plane, or out of the lens's field, is taken to fill the picture.
     """
     whole = np.array([0.0, 0.0, camera.width_px - 1.0, camera.height_px - 1.0])
     if np.any(points_cam[:, 2] <= 1e-3 * np.linalg.norm(points_cam, axis=1)):
         return whole
-    pixels = camera.intrinsics.project(points_cam)
+    pixels = outline_px(camera.intrinsics, points_cam[:, :2] / points_cam[:, 2:])
+    if np.isnan(pixels).any():
+        return whole
     box = np.concatenate([pixels.min(axis=0), pixels.max(axis=0)])
     return np.asarray(np.clip(box, np.tile(whole[:2], 2), np.tile(whole[2:], 2)))
 
 
-def _extent(scenario: Scenario, camera: Camera, points_target: Floats, frame: int) -> Floats:
-    chaser_from_target = realize(scenario, scenario.seed, frame).chaser_from_target
-    cam_from_target = camera.mount.chaser_from_cam.inv() * chaser_from_target
-    return target_extent(camera, cam_from_target.apply(points_target))
+def outline_px(intrinsics: Intrinsics, normalised: Floats) -> Floats:
+    """Pixels (m, 2) along the edges of the box around ideal normalised points (n, 2).
+
+    A distorted lens bends straight edges outwards past their ends, so corners alone would not enclose what lies between.
+    """
+    low, high = normalised.min(axis=0), normalised.max(axis=0)
+    steps = np.linspace(0.0, 1.0, _OUTLINE_STEPS if intrinsics.is_distorted else 2)
+    edges = [np.column_stack([steps, np.full_like(steps, end)]) for end in (0.0, 1.0)]
+    return intrinsics.pixels_from_normalised(low + np.concatenate([*edges, *(edge[:, ::-1] for edge in edges)]) * (high - low))
+
+
+def _swept(scenario: Scenario, camera: Camera, frame: int, points_target: Floats) -> list[Floats]:
+    """``points_target`` in chaser axes when the shutter opens, halfway, and when it closes, at its longest."""
+    pose_at = partial(scenario.motion.chaser_from_target, frame=frame, seed=scenario.seed)
+    instants = exposure_instants_s(frame / scenario.rate_hz, longest_exposure_s(camera))
+    return [pose_at(instant_s).apply(points_target) for instant_s in instants]
