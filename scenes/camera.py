@@ -3,7 +3,8 @@
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, model_validator
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from scenes.detector import Detector, Exposure
@@ -48,6 +49,20 @@ class Camera(Spec):
     detector: Detector
     exposure: Exposure
     mount: Mount = Mount()
+
+    @model_validator(mode="after")
+    def _lens_images_every_pixel(self) -> "Camera":
+        lens = self.intrinsics
+        if np.isinf(lens.fold_radius):
+            return self
+        fold_px = lens.pixels_from_normalised([lens.fold_radius * (1 - 1e-9), 0.0])[0] - lens.cx_px
+        across = [max(lens.cx_px, self.width_px - 1 - lens.cx_px), max(lens.cy_px, self.height_px - 1 - lens.cy_px)]
+        if fold_px < math.hypot(*across):
+            raise ValueError(
+                f"distortion {self.distortion} folds the image {fold_px:.0f} px from the principal point, "
+                f"but the picture's corner lies at {math.hypot(*across):.0f} px"
+            )
+        return self
 
     @property
     def intrinsics(self) -> Intrinsics:

@@ -41,14 +41,20 @@ class Intrinsics:
         return any(self.distortion)
 
     def project(self, points_cam: ArrayLike) -> Floats:
-        """Pixels (..., 2) of points (..., 3) in metres in the camera frame; NaN for points not in front of it."""
+        """Pixels (..., 2) of points (..., 3) in metres in the camera frame; NaN for points that this lens cannot image.
+
+        Those are points not in front of the camera, and points so far aside that the distortion polynomial folds back.
+        """
         points = np.asarray(points_cam, dtype=np.float64)
         depth = np.where(points[..., 2] > 0, points[..., 2], np.nan)
         return self.pixels_from_normalised(points[..., :2] / depth[..., None])
 
     def pixels_from_normalised(self, normalised: ArrayLike) -> Floats:
-        """Pixels (..., 2) of ideal normalised image points (x/z, y/z), distortion applied."""
-        bent = self._distort(np.asarray(normalised, dtype=np.float64))
+        """Pixels (..., 2) of ideal normalised image points (x/z, y/z), distortion applied; NaN beyond ``fold_radius``."""
+        ideal = np.asarray(normalised, dtype=np.float64)
+        bent = self._distort(ideal)
+        if self.is_distorted:
+            bent = np.where(np.sum(ideal * ideal, axis=-1, keepdims=True) < self.fold_radius**2, bent, np.nan)
         return np.asarray(bent * np.array([self.fx_px, self.fy_px]) + np.array([self.cx_px, self.cy_px]))
 
     def normalised_from_pixels(self, pixels: ArrayLike) -> Floats:
@@ -62,6 +68,17 @@ class Intrinsics:
         normalised = self.normalised_from_pixels(pixels)
         directions = np.concatenate([normalised, np.ones_like(normalised[..., :1])], axis=-1)
         return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
+
+    @property
+    def fold_radius(self) -> float:
+        """Ideal normalised radius up to which the image grows outwards; beyond, the polynomial folds back (inf: never).
+
+        The smallest root of d/dr (r + k1 r³ + k2 r⁵ + k3 r⁷); the tangential terms are small against these.
+        """
+        k1, k2, _, _, k3 = self.distortion
+        squares = np.roots([7 * k3, 5 * k2, 3 * k1, 1.0])
+        real = squares.real[(np.abs(squares.imag) < 1e-12) & (squares.real > 0)]
+        return float(np.sqrt(real.min(initial=np.inf)))
 
     def _distort(self, ideal: Floats) -> Floats:
         if not self.is_distorted:
