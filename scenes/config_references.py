@@ -42,7 +42,7 @@ class Resolver:
         done = Table(table.origin)
         for key, value in table.items():
             done.put(key, self.resolve(value, table.sources[key], (*path, key), trail), table.sources[key])
-        if done.get("type") == "mesh" and isinstance(done.get("path"), str):
+        if done.get("type") == "mesh" and isinstance(done.get("path"), str) and (*path, "path") not in self.broken:
             self._mesh(done, (*path, "path"))
         return done
 

@@ -96,6 +96,13 @@ class TestBadInput:
             load_scenario(str(tmp_path / "scenario.toml"), wrong)
         assert len(caught.value.faults) == len(wrong)
 
+    def test_a_fault_is_told_once_however_many_overrides_follow(self, tmp_path):
+        fill(tmp_path, bad_scenarios.Bad("good", ()).folder())
+        (tmp_path / "dish.obj").unlink()
+        with pytest.raises(ConfigError) as caught:
+            load_scenario(str(tmp_path / "scenario.toml"), ("rate_hz=1", "seed=2", "cameras.nav=guppy-f125c", "seed=3"))
+        assert len(caught.value.faults) == 2
+
     def test_an_error_names_the_file_the_value_stands_in(self, library, tmp_path):
         (library / "cameras/big-lens.toml").write_text('type = "lens"\nfocal_m = -2.0\nblades = 9')
         (tmp_path / "my.toml").write_text('finder = { base = "big-lens", blades = 1.5 }\nelements = ["big-lens"]')
