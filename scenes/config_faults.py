@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from scenes.config_keys import allowed_keys
 from scenes.config_references import Resolver
-from scenes.config_tree import KeyPath, Source, Table, dotted, shown
+from scenes.config_tree import TAGS, KeyPath, Source, Table, dotted, shown
 from scenes.errors import nearest
 
 _ARTICLE = {
@@ -147,6 +147,6 @@ def _located(error: Mapping[str, Any], tree: Table) -> _Fault:
     if error["type"] == "missing" and isinstance(last, str):
         return _Fault((*path, last), source, None, error)
     if error["type"] == "union_tag_invalid" and isinstance(node, Table):
-        tag = error["ctx"]["discriminator"].strip("'")
+        tag = next((name for name in TAGS if name in node), TAGS[0])
         return _Fault((*path, tag), node.sources.get(tag, source), node.get(tag), error)
     return _Fault(path, source, path[-1] if last == "[key]" else node, error)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pytest
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from scenes.config import list_library, load, parse_override
 from scenes.config_files import KINDS, LIBRARY, contained, folder_of, read_toml
@@ -42,10 +42,15 @@ class Mirror(Spec):
     tilt_deg: tuple[float, float] = (0.0, 0.0)
 
 
+def _kind(value):
+    return value.get("type", "lens") if isinstance(value, dict) else value.type
+
+
 class Telescope(Spec):
     name: str = ""
     elements: tuple[Annotated[Lens | Mirror, Field(discriminator="type")], ...] = ()
     finder: Lens | None = None
+    guide: Annotated[Annotated[Lens, Tag("lens")] | Annotated[Mirror, Tag("mirror")], Discriminator(_kind)] | None = None
     extra: dict[str, Any] = Field(default_factory=dict)
 
 
@@ -95,6 +100,17 @@ class TestBadInput:
         with pytest.raises(ConfigError) as caught:
             load_scenario(str(tmp_path / "scenario.toml"), wrong)
         assert len(caught.value.faults) == len(wrong)
+
+    def test_a_union_that_is_told_apart_by_a_function(self, library):
+        assert telescope(library, "newton", ["guide={focal_m=1.0}"]).guide == Lens(focal_m=1.0)
+        for value, text in [
+            ('{type="miror"}', "--set: guide.type: got 'miror', must be one of lens, mirror; did you mean 'mirror'?"),
+            ('{focal="1"}', "--set: guide.focal: no such key; did you mean 'focal_m'?"),
+            ('{focal_m="1"}', "--set: guide.focal_m: got '1' (a string), must be a number"),
+        ]:
+            with pytest.raises(ConfigError) as caught:
+                telescope(library, "newton", [f"guide={value}"])
+            assert text in str(caught.value)
 
     def test_a_fault_is_told_once_however_many_overrides_follow(self, tmp_path):
         fill(tmp_path, bad_scenarios.Bad("good", ()).folder())
