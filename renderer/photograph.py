@@ -110,4 +110,3 @@ class Photographer:
 
     def _visible_fraction(self, cam_from_target: RigidTransform) -> float:
         return self.session.visible_fraction(cam_from_target, self._points, self._camera.intrinsics)
-
