@@ -2,10 +2,10 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from scenes.spec import Fraction, NonNegative, Positive, Spec
-from scenes.spectrum import Quantity
+from scenes.spectrum import FractionQuantity
 
 
 class FixedExposure(Spec):
@@ -27,6 +27,12 @@ class AutoExposure(Spec):
     shortest_s: Positive = 1e-6
     longest_s: Positive = 1.0
 
+    @model_validator(mode="after")
+    def _ordered(self) -> "AutoExposure":
+        if self.longest_s < self.shortest_s:
+            raise ValueError(f"longest_s {self.longest_s:g} lies below shortest_s {self.shortest_s:g}")
+        return self
+
 
 Exposure = Annotated[FixedExposure | AutoExposure, Field(discriminator="type")]
 
@@ -39,7 +45,7 @@ class Detector(Spec):
     ``psf_sigma_px`` is lens blur plus pixel diffusion as a Gaussian.
     """
 
-    quantum_efficiency: Quantity
+    quantum_efficiency: FractionQuantity
     full_well_e: Positive
     gain_dn_per_e: Positive
     bits: Annotated[int, Field(ge=1, le=16)] = 8
@@ -50,6 +56,12 @@ class Detector(Spec):
     dsnu_e: NonNegative = 0.0
     shot_noise: bool = True
     psf_sigma_px: Annotated[float, Field(ge=0, le=20)] = 0.0
+
+    @model_validator(mode="after")
+    def _has_a_scale(self) -> "Detector":
+        if self.black_level_dn >= self.white_dn:
+            raise ValueError(f"black_level_dn {self.black_level_dn:g} lies above the white of {self.bits} bits, {self.white_dn}")
+        return self
 
     @property
     def white_dn(self) -> int:

@@ -8,7 +8,7 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 from scipy.spatial.transform import Rotation
 
 from scenes.arrays import Floats, unit
@@ -79,7 +79,22 @@ class OnSphere(Spec):
         return np.asarray(to_axis.apply(local))
 
 
+def _only_positive(field: "Scalar") -> "Scalar":
+    lowest = _lowest(field)
+    if lowest <= 0:
+        raise ValueError(f"must be greater than 0, got values down to {lowest:g}")
+    return field
+
+
+def _lowest(field: "Scalar") -> float:
+    """The least value of a field; a normal draw counts as reaching six sigma (one in 10⁹)."""
+    if isinstance(field, Normal):
+        return field.mean - 6 * field.sigma
+    return field.low if isinstance(field, Uniform | LogUniform) else field
+
+
 Scalar = float | Annotated[Uniform | LogUniform | Normal, Field(discriminator="draw")]
+PositiveScalar = Annotated[Scalar, AfterValidator(_only_positive)]
 Direction = Vector3 | OnSphere
 
 

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from scenes.arrays import Floats, frozen
 from scenes.constants import SOLAR_CONSTANT_W_M2, SUN_HALF_ANGLE_DEG
-from scenes.draw import Direction, Scalar
+from scenes.draw import Direction, PositiveScalar
 from scenes.spec import Positive, Spec
 from scenes.spectrum import BAND_NM
 
@@ -32,7 +32,7 @@ class Sun(Spec):
     source: str = "ASTM E490-00a"
     frame: Literal["chaser", "target"] = "chaser"
     direction: Direction
-    distance_au: Scalar = 1.0
+    distance_au: PositiveScalar = 1.0
     half_angle_deg: Annotated[float, Field(gt=0, le=20)] = SUN_HALF_ANGLE_DEG
     total_irradiance_w_m2: Positive = SOLAR_CONSTANT_W_M2
 

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from scenes.spec import Fraction, Spec
-from scenes.spectrum import Quantity, Spectrum
+from scenes.spec import Spec
+from scenes.spectrum import FractionQuantity, NonNegativeQuantity
 
 Roughness = Annotated[float, Field(ge=1e-3, le=1)]
 
@@ -16,7 +16,7 @@ class Paint(Spec):
     type: Literal["paint"]
     description: str = ""
     source: str
-    reflectance: Fraction | Spectrum
+    reflectance: FractionQuantity
 
 
 class Coated(Spec):
@@ -28,7 +28,7 @@ class Coated(Spec):
     type: Literal["coated"]
     description: str = ""
     source: str
-    base_reflectance: Fraction | Spectrum
+    base_reflectance: FractionQuantity
     refractive_index: Annotated[float, Field(gt=1, le=4)] = 1.5
     roughness: Roughness
 
@@ -39,8 +39,8 @@ class Metal(Spec):
     type: Literal["metal"]
     description: str = ""
     source: str
-    n: Quantity
-    k: Quantity
+    n: NonNegativeQuantity
+    k: NonNegativeQuantity
     roughness: Roughness
 
 

@@ -12,7 +12,7 @@ from pydantic import Field
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from scenes.arrays import frozen
-from scenes.draw import Scalar, scalar
+from scenes.draw import PositiveScalar, Scalar, scalar
 from scenes.provenance import stream
 from scenes.spec import Positive, Spec, Vector3
 
@@ -73,7 +73,7 @@ class RandomViews(Spec):
     """Independent views: attitude uniform over all rotations, range and off-boresight angles drawn for each frame."""
 
     type: Literal["random-views"]
-    range_m: Scalar
+    range_m: PositiveScalar
     right_deg: Scalar = 0.0
     down_deg: Scalar = 0.0
 

@@ -5,9 +5,10 @@ material before rendering: photo-electrons count photons, so the weight is E(λ)
 """
 
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import AfterValidator, model_validator
 
 from scenes.arrays import Floats, frozen
 from scenes.constants import PLANCK_J_S, SPEED_OF_LIGHT_M_S
@@ -43,6 +44,24 @@ class Spectrum(Spec):
 
 
 Quantity = float | Spectrum  # a plain number is a flat spectrum
+
+
+def _not_negative(quantity: Quantity) -> Quantity:
+    lowest = min(quantity.value) if isinstance(quantity, Spectrum) else quantity
+    if lowest < 0:
+        raise ValueError(f"must not be negative, got {lowest:g}")
+    return quantity
+
+
+def _at_most_one(quantity: Quantity) -> Quantity:
+    highest = max(quantity.value) if isinstance(quantity, Spectrum) else quantity
+    if highest > 1:
+        raise ValueError(f"is a fraction, at most 1, got {highest:g}")
+    return quantity
+
+
+NonNegativeQuantity = Annotated[Quantity, AfterValidator(_not_negative)]
+FractionQuantity = Annotated[Quantity, AfterValidator(_not_negative), AfterValidator(_at_most_one)]
 
 
 def on_band(quantity: Quantity) -> Floats:
