@@ -26,6 +26,8 @@ def faults(make: Factory, knowledge: Knowledge, observations: Sequence[Observati
     first, complaint = _answers(make, knowledge, observations)
     if complaint:
         return [f"the recording: {complaint}"]
+    if not any(isinstance(one, Estimate) and one.outcome is Outcome.OK for one in first):
+        return [*_contract(first, knowledge), f"it answers none of the {len(first)} frames, so the rest cannot be checked"]
     return [
         *_contract(first, knowledge),
         *_same_again(first, make, knowledge, observations),
@@ -47,7 +49,7 @@ def _answers(make: Factory, knowledge: Knowledge, observations: Sequence[Observa
     return answers, ""
 
 
-def _contract(answers: Sequence[Estimate], knowledge: Knowledge) -> Iterator[str]:
+def _contract(answers: Sequence[object], knowledge: Knowledge) -> Iterator[str]:
     for number, answer in enumerate(answers):
         if not isinstance(answer, Estimate):
             yield f"frame {number}: step returns {type(answer).__name__}, not an Estimate"
@@ -69,7 +71,7 @@ def _same_again(
         yield f"the same input gives another output ({complaint or f'first in frame {differ[0]}'})"
 
 
-def _equal(one: Estimate, two: Estimate) -> bool:
+def _equal(one: object, two: object) -> bool:
     """Bit for bit: outcome, rotation, translation and extras."""
     if not isinstance(one, Estimate) or not isinstance(two, Estimate):
         return type(one) is type(two)
@@ -105,6 +107,8 @@ def _black(make: Factory, knowledge: Knowledge, observations: Sequence[Observati
             yield f"a black picture in frame {place}: {complaint}"
         elif answers[place].outcome is Outcome.OK:
             yield f"a black picture in frame {place} is answered with a pose"
+        elif not answers[place].reason:
+            yield f"a black picture in frame {place} fails without a reason"
 
 
 def _relabelled(

@@ -39,6 +39,8 @@ def declare(
     ``grant_aspect`` adds the rectangle's L/W. A data set whose target has one feature needs no name. Raises ``UsageError``
     for an unknown feature or one that the first frame does not show.
     """
+    if not 0 <= sigma_px < np.inf:
+        raise UsageError(f"the corner prior's sigma is {sigma_px} px; it must be a finite number, at least 0")
     sensors = dict(dataset.sensors)
     feature = _feature(dataset, feature_name)
     if feature is None:

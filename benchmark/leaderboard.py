@@ -74,7 +74,7 @@ def cells(summary: Summary) -> dict[str, str]:
         "geodesic median": figure(summary.geodesic_median_deg),
         "p95": figure(summary.geodesic_p95_deg),
         "label switches": str(summary.label_switches),
-        "CPU ms/frame": "—" if summary.cpu_s_per_frame is None else number(1e3 * summary.cpu_s_per_frame),
+        "CPU ms/frame": "—" if summary.cpu_s_per_frame is None else f"{1e3 * summary.cpu_s_per_frame:.1f}",
     }
 
 
@@ -84,5 +84,5 @@ def figure(value: Figure | None) -> str:
 
 
 def number(value: float) -> str:
-    """Three significant digits without an exponent."""
-    return f"{value:.3g}" if abs(value) < 100 else f"{value:.0f}"
+    """Two decimals, so that a column lines up."""
+    return f"{value:.2f}"

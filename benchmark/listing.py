@@ -18,6 +18,7 @@ def listing(kind: str) -> list[tuple[str, str]]:
 
 
 def _estimators() -> list[tuple[str, str]]:
+    from benchmark import methods
     from estimators import registry
 
-    return [(name, "") for name in registry.names()]
+    return [(name, methods.description(name)) for name in registry.names()]

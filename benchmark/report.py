@@ -54,6 +54,7 @@ class CaseView:
 
     name: str
     description: str
+    methods: tuple[tuple[str, int], ...]
     features: tuple[FeatureView, ...]
     published: tuple[Published, ...]
     dataset: Dataset
@@ -88,15 +89,19 @@ def _case(folder: Path, index: Results, name: str, titles: Sequence[str]) -> Cas
     features = []
     for feature, group in groupby(mine, key=lambda row: row.entry.feature):
         entries = tuple(_entry(folder, dataset, row, titles.index(row.entry.title)) for row in group)
-        features.append(FeatureView(feature or "", _plot(entries, f"{name}-{feature}"), entries))
+        plot = _plot(entries, swept_angle(dataset.manifest.scenario), f"{name}-{feature}")
+        features.append(FeatureView(feature or "", plot, entries))
     published = tuple(one for one in index.published if one.case == name)
-    return CaseView(name, heading.description, tuple(features), published, dataset, tuple(_glimpses(dataset)))
+    methods = tuple((title, series) for series, title in enumerate(titles) if title in {row.entry.title for row in mine})
+    return CaseView(name, heading.description, methods, tuple(features), published, dataset, tuple(_glimpses(dataset)))
 
 
 def _glimpses(dataset: Dataset) -> Iterator[Picture]:
-    """The first, the middle and the last frame."""
+    """The first and the last frame, between them the one with the most saturated pixels, else the middle one."""
     frames, swept = dataset.frames, swept_angle(dataset.manifest.scenario)
-    for frame in dict.fromkeys((frames[0], frames[len(frames) // 2], frames[-1])):
+    saturated = dataset.truth_table().groupby("frame")["saturated_fraction"].max()
+    between = frames[int(np.nanargmax(saturated.to_numpy()))] if saturated.max() > 0 else frames[len(frames) // 2]
+    for frame in sorted({frames[0], between, frames[-1]}):
         pose = next(iter(dataset.truth(frame).sensor_from_target.values()))
         angle = "" if swept is None else f", θ = {_degrees(pose.rotation, swept):.1f}°"
         yield glimpse(dataset, frame, minus(f"frame {frame}{angle}"))
@@ -113,23 +118,21 @@ def _entry(folder: Path, dataset: Dataset, row: Row, series: int) -> EntryView:
     return EntryView(row, series, answers, scores, tuple(_pictures(dataset, row, answers, scores)))
 
 
-def _plot(entries: Sequence[EntryView], salt: str) -> str:
+def _plot(entries: Sequence[EntryView], swept: str | None, salt: str) -> str:
     """The error plot of a feature, empty where the scenario sweeps no angle."""
-    tracks = []
-    for entry in entries:
-        if entry.row.summary.swept is None:
-            continue
-        name, scores = entry.row.summary.swept.name, entry.scores
-        tracks.append(
-            Track(
-                title=entry.row.entry.title,
-                series=entry.series,
-                truth_deg=scores[f"{name}_deg"].to_numpy(),
-                error_deg=scores[f"{name}_error_deg"].to_numpy(),
-                answered=(scores["outcome"] == "ok").to_numpy(),
-            )
+    if swept is None:
+        return ""
+    tracks = [
+        Track(
+            title=entry.row.entry.title,
+            series=entry.series,
+            truth_deg=entry.scores[f"{swept}_deg"].to_numpy(),
+            error_deg=entry.scores[f"{swept}_error_deg"].to_numpy(),
+            answered=(entry.scores["outcome"] == "ok").to_numpy(),
         )
-    return error_plot(tracks, salt) if tracks else ""
+        for entry in entries
+    ]
+    return error_plot(tracks, salt)
 
 
 def _pictures(dataset: Dataset, row: Row, answers: Predictions, scores: pd.DataFrame) -> Iterator[Picture]:
@@ -192,5 +195,5 @@ def _interval(one: Figure | None) -> str:
 
 
 def minus(text: str) -> str:
-    """Hyphens before digits as minus signs."""
-    return re.sub(r"-(?=\d)", "−", text)
+    """Hyphens before digits as minus signs, and none before a zero."""
+    return re.sub(r"-(?=\d)", "−", re.sub(r"[-+](?=0\.?0*(?!\.?\d))", "", text))

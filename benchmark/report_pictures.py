@@ -68,10 +68,9 @@ def _answered_corners(answer: pd.Series, pose: RigidTransform, feature: Rectangl
     """Corners in the sensor frame at the answered attitude; without a position, about the feature's true centre."""
     rotation = Rotation.from_quat(answer[list(QUATERNION)].to_numpy(dtype=np.float64), scalar_first=True)
     position = answer[list(TRANSLATION)].to_numpy(dtype=np.float64)
-    if np.isfinite(position).all():
-        return np.asarray(rotation.apply(feature.corners_target) + position)
-    centre = np.asarray(feature.centre_m)
-    return np.asarray(rotation.apply(feature.corners_target - centre) + pose.apply(centre))
+    if not np.isfinite(position).all():
+        position = pose.apply(feature.centre_m) - rotation.apply(feature.centre_m)
+    return np.asarray(RigidTransform.from_components(position, rotation).apply(feature.corners_target))
 
 
 def _window(corners: Floats, model: SensorModel) -> tuple[int, int, int, int]:

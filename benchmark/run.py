@@ -7,19 +7,19 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from benchmark import predictions
+from benchmark import methods, predictions
 from benchmark.errors import ResultsConflict
 from benchmark.knowledge import Declaration
 from benchmark.predictions import COLUMNS, QUATERNION, TRANSLATION, Predictions
 from benchmark.progress import Progress
 from benchmark.records import MachineRecord, RunRecord
+from estimators import registry
 from estimators.api import Estimate, Estimator, Outcome
 from scenes.dataset import Dataset
 from scenes.recording import Knowledge, Observation
@@ -57,15 +57,13 @@ def estimate(
     Raises ``ResultsConflict`` where ``out`` already holds the answers of something else: another method, other parameters,
     other knowledge or another data set.
     """
-    from estimators import registry
-
     estimator = registry.load(method, **parameters)
     record = RunRecord(
         format="hardlight-predictions",
         version=1,
         method=method,
         label=label,
-        method_version=getattr(estimator, "version", None) or version("hardlight"),
+        method_version=methods.version(method),
         parameters=dict(parameters),
         dataset_identity=dataset.identity,
         knowledge=declaration.record,

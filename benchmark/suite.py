@@ -78,12 +78,14 @@ class Suite(Spec):
     prior_sigma_px: NonNegative = 3.0
     quality: Quality | None = None
     methods: Annotated[dict[Name, Method], Field(min_length=1)]
-    cases: Annotated[tuple[Case, ...], Field(min_length=1)]
+    cases: tuple[Case, ...]
     published: tuple[Published, ...] = ()
     notes: tuple[Note, ...] = ()
 
     @model_validator(mode="after")
     def _names_refer_to_something(self) -> "Suite":
+        if not self.cases:
+            raise ValueError("a suite has at least one [[cases]]")
         names = [case.name for case in self.cases]
         for name in names:
             if names.count(name) > 1:

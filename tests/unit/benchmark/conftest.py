@@ -67,7 +67,8 @@ def make_dataset(sweep: AxisSweep) -> Callable[..., Dataset]:
         for frame in frames:
             pose = motion.chaser_from_target(float(frame), frame, seed)
             truth = dict.fromkeys(TRUTH_COLUMNS, float("nan")) | pose_columns(pose) | {"range_m": 12.0, "lit_fraction": 1.0}
-            writer.write(FrameRecord(frame, float(frame), {"nav": draw(pose)}, {}, {"nav": truth}))
+            layers = {"nav": {"z_m": np.zeros(SIZE[::-1], dtype=np.float32)}}
+            writer.write(FrameRecord(frame, float(frame), {"nav": draw(pose)}, layers, {"nav": truth}))
         writer.finish()
         return Dataset.open(path)
 

@@ -32,7 +32,7 @@ def _subclass(toy: Any, kind: str) -> Any:
     class Dishonest(toy):  # type: ignore[misc]
         calls = 0
 
-        def step(self, observation: Observation) -> Estimate:
+        def step(self, observation: Observation) -> Estimate:  # noqa: PLR0911 - one return a misdeed
             if kind == "writes" and observation.images["nav"].pixels.flags.writeable:
                 observation.images["nav"].pixels[0, 0] += 1
             answer = super().step(observation)
@@ -65,6 +65,7 @@ def _subclass(toy: Any, kind: str) -> Any:
         ("random", "the same input gives another output"),
         ("identity", "a black picture in frame 0 is answered with a pose"),
         ("black raises", "a black picture in frame 0: it raises IndexError: list index out of range after 0 frames"),
+        ("silent", "a black picture in frame 0 fails without a reason"),
         ("own axes", "a re-labelled target frame turns the answer by"),
         ("sensor", "it answers for the unknown sensor 'left'"),
         ("nothing", "step returns NoneType, not an Estimate"),
@@ -73,6 +74,14 @@ def _subclass(toy: Any, kind: str) -> Any:
 def test_each_broken_promise_is_found(toy: Any, recording: Any, kind: str, sentence: str) -> None:
     found = faults(_subclass(toy, kind), *recording)
     assert any(sentence in fault for fault in found), found
+
+
+def test_a_method_that_never_answers_does_not_pass_by_silence(toy: Any, recording: Any) -> None:
+    class Mute(toy):  # type: ignore[misc]
+        def step(self, observation: Observation) -> Estimate:
+            return Estimate("nav", Outcome.SKIPPED, reason="not today")
+
+    assert faults(Mute, *recording) == ["it answers none of the 8 frames, so the rest cannot be checked"]
 
 
 def test_a_method_that_cannot_start_is_one_sentence(toy: Any, recording: Any) -> None:

@@ -1,0 +1,32 @@
+"""What is known of a registered method without importing it: one line of description and the version of its distribution."""
+
+import ast
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
+
+from estimators.registry import GROUP
+
+
+def description(name: str) -> str:
+    """The first line of the docstring of the module that holds the method, read from its source; else where it lies."""
+    entry = _entry(name)
+    if entry is None:
+        return ""
+    try:
+        spec = find_spec(entry.module)
+        source = Path(spec.origin).read_text(encoding="utf-8") if spec and spec.origin else ""
+        first = (ast.get_docstring(ast.parse(source)) or "").splitlines()[:1]
+    except (ImportError, OSError, SyntaxError, ValueError):
+        first = []
+    return first[0].removeprefix(f"``{name}``: ") if first else entry.value
+
+
+def version(name: str) -> str:
+    """The version of the distribution that brought the method, empty for one named by ``package.module:Class``."""
+    entry = _entry(name)
+    return entry.dist.version if entry is not None and entry.dist is not None else ""
+
+
+def _entry(name: str) -> EntryPoint | None:
+    return next((entry for entry in entry_points(group=GROUP) if entry.name == name), None)
