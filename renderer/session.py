@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
 from renderer.denoise import denoise_indirect
+from renderer.footprint import footprint
 from renderer.kernels import KernelPlan, direct_kernel, geometry_kernel, indirect_kernel
 from renderer.materials import bsdf, is_near_mirror
 from renderer.photometry import Photometry, photometry
@@ -22,11 +23,12 @@ from scenes.exr import Window
 from scenes.intrinsics import Intrinsics
 from scenes.provenance import stream
 from scenes.scenario import SceneLight
-from scenes.solids import Solid, solids
+from scenes.solids import Solid, bounding_points, solids
 from scenes.spectrum import band_irradiance
 from scenes.target import Target
 
 Layers = dict[str, NDArray[Any]]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,13 +64,15 @@ class Session:
             with_glints=any(is_near_mirror(part.material) for part in target.parts),
             stratified=preset.stratified,
         )
+        self._intrinsics = camera.intrinsics
+        self._part_corners = np.split(bounding_points(target), len(target.parts))
         self._scene = _load(target, self.photometry)
         self._part_of_shape = _part_ids(self._scene, len(target.parts), scalar=self.backend.is_scalar)
         self._run = _Runner(self._scene, self._plan, scalar=self.backend.is_scalar)
 
     def geometry(self, view: View) -> Layers:
         """Window arrays (h, w) at pixel centres: ``z_m``, ``normal.x/y/z`` (camera axes), ``part_id`` (0 = background)."""
-        raw = self._run(geometry_kernel, self._constants(view))
+        raw = self._run(geometry_kernel, self._constants(view), self._worthwhile(view))
         part_id = np.where(raw.pop("hit"), self._part_of_shape[raw.pop("shape")], 0).astype(np.uint32)
         return {name: layer.astype(np.float32) for name, layer in raw.items()} | {"part_id": part_id}
 
@@ -78,12 +82,12 @@ class Session:
         ``direct_diffuse``, ``direct_specular``, ``indirect``, ``indirect_raw``; ``coverage`` (target), ``facing`` (turned to
         the sun), ``unshadowed`` (turned to the sun with nothing in between), each of the pixel's whole area.
         """
-        constants = self._constants(view)
-        sums = self._run(direct_kernel, constants)
+        constants, worthwhile = self._constants(view), self._worthwhile(view)
+        sums = self._run(direct_kernel, constants, worthwhile)
         n = np.float32(self._plan.direct_samples)
         names = {"diffuse": "direct_diffuse", "specular": "direct_specular", "hit": "coverage", "open": "unshadowed"}
         layers = {names.get(name, name): (total / n).astype(np.float32) for name, total in sums.items()}
-        raw = self._indirect(constants, layers["coverage"])
+        raw = self._indirect(constants, worthwhile, layers["coverage"])
         smooth = denoise_indirect(raw, layers["coverage"]) if self._preset.denoise_indirect else raw
         return layers | {"indirect_raw": raw, "indirect": smooth}
 
@@ -91,11 +95,17 @@ class Session:
         """See ``renderer.visibility``."""
         return visible_fraction(self._scene, cam_from_target, points_target, intrinsics)
 
-    def _indirect(self, constants: dict[str, Any], coverage: NDArray[np.float32]) -> NDArray[np.float32]:
+    def _worthwhile(self, view: View) -> Mask:
+        """The pixels that a ray-by-ray variant has to look at; a wavefront looks at all."""
+        if not self.backend.is_scalar:
+            return np.ones((view.window.height_px, view.window.width_px), dtype=np.bool_)
+        return footprint(self._part_corners, view.shutter.target_from_cam.inv(), self._intrinsics, view.window)
+
+    def _indirect(self, constants: dict[str, Any], worthwhile: Mask, coverage: NDArray[np.float32]) -> NDArray[np.float32]:
         samples = self._plan.indirect_samples
         if samples == 0:
             return np.zeros_like(coverage)
-        total = self._run(indirect_kernel, constants)["indirect"]
+        total = self._run(indirect_kernel, constants, worthwhile)["indirect"]
         return np.asarray(total / np.float32(samples), dtype=np.float32)
 
     def _constants(self, view: View) -> dict[str, Any]:
@@ -119,9 +129,9 @@ class _Runner:
         self._scene, self._plan, self._scalar = scene, plan, scalar
         self._frozen: dict[str, Any] = {}
 
-    def __call__(self, kernel: Any, constants: dict[str, Any]) -> Layers:
-        """Window arrays (h, w) by name."""
-        flat = self._one_by_one(kernel, constants) if self._scalar else self._wavefront(kernel, constants)
+    def __call__(self, kernel: Any, constants: dict[str, Any], worthwhile: Mask) -> Layers:
+        """Window arrays (h, w) by name; pixels that are not ``worthwhile`` may be left at zero."""
+        flat = self._one_by_one(kernel, constants, worthwhile) if self._scalar else self._wavefront(kernel, constants)
         return {name: values.reshape(self._plan.height_px, self._plan.width_px) for name, values in flat.items()}
 
     def _wavefront(self, kernel: Any, constants: dict[str, Any]) -> Layers:
@@ -137,17 +147,24 @@ class _Runner:
         result = self._frozen[kernel.__name__](self._scene, frame, pixels)
         return {name: np.array(values) for name, values in result.items()}
 
-    def _one_by_one(self, kernel: Any, constants: dict[str, Any]) -> Layers:
+    def _one_by_one(self, kernel: Any, constants: dict[str, Any], worthwhile: Mask) -> Layers:
         import mitsuba as mi
 
-        frame = _device_constants(mi, constants)
-        pixels = range(self._plan.width_px * self._plan.height_px)
-        rows = [kernel(mi, self._scene, frame, pixel, self._plan) for pixel in pixels]
+        frame, pixels = _device_constants(mi, constants), np.flatnonzero(worthwhile)
+        rows = [kernel(mi, self._scene, frame, int(pixel), self._plan) for pixel in pixels]
         shapes = self._scene.shapes()
         for row in rows:
             if "shape" in row:
                 row["shape"] = shapes.index(row["shape"]) if row["hit"] else 0
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        return {name: _strewn(pixels, [row[name] for row in rows], worthwhile.size) for name in rows[0]}
+
+
+def _strewn(places: NDArray[np.int64], values: list[Any], size: int) -> NDArray[Any]:
+    """``values`` at their ``places`` in an array of zeros."""
+    found = np.array(values)
+    full = np.zeros(size, dtype=found.dtype)
+    full[places] = found
+    return full
 
 
 def _recorded(kernel: Any, plan: KernelPlan) -> Any:
@@ -155,7 +172,7 @@ def _recorded(kernel: Any, plan: KernelPlan) -> Any:
     import drjit as dr
     import mitsuba as mi
 
-    @dr.freeze  # type: ignore[untyped-decorator]
+    @dr.freeze
     def replayed(scene: Any, frame: dict[str, Any], pixels: Any) -> dict[str, Any]:
         result: dict[str, Any] = kernel(mi, scene, frame, pixels, plan)
         return result | ({"shape": dr.reinterpret_array(mi.UInt32, result["shape"])} if "shape" in result else {})

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, StringConstraints, ValidatorFunctionWrapHandler, field_validator
+from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from scenes.arrays import Floats, frozen
@@ -32,6 +32,22 @@ MATERIAL_REFERENCES = {
 }
 
 
+def _kind_of_target(value: Any) -> str:
+    given = value.get("type", "parts") if isinstance(value, dict) else getattr(value, "type", "parts")
+    return str(given)
+
+
+# A target is a list of parts, or a description with few numbers that becomes one before anything else sees it.
+if TYPE_CHECKING:
+    AnyTarget = Target
+else:
+    AnyTarget = Annotated[
+        Annotated[Target, Tag("parts")] | Annotated[CubeWithWings, Tag("cube-with-wings")],
+        Discriminator(_kind_of_target),
+        AfterValidator(lambda target: target.assembled() if isinstance(target, CubeWithWings) else target),
+    ]
+
+
 class Scenario(Spec):
     """Everything that a data set follows from, together with the backend and the software versions."""
 
@@ -41,18 +57,10 @@ class Scenario(Spec):
     frame_count: Annotated[int, Field(ge=1, le=10_000_000)]
     rate_hz: Positive = 1.0
     quality: Quality = "standard"
-    target: Target
+    target: AnyTarget
     cameras: Annotated[dict[Name, Camera], Field(min_length=1)]
     lights: Annotated[dict[Name, Light], Field(min_length=1, max_length=1)]
     motion: Motion
-
-    @field_validator("target", mode="wrap")
-    @classmethod
-    def _assemble(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Target:
-        """A ``cube-with-wings`` becomes its parts before anything else sees it."""
-        if isinstance(value, dict) and value.get("type") == "cube-with-wings":
-            return CubeWithWings.model_validate(value).assembled()
-        return handler(value)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
