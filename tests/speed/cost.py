@@ -56,7 +56,10 @@ def measure(quality: str, frames: int, folder: Path) -> None:
         print(f"  {stage:10s} {seconds / n:.4f} s  {seconds / total:6.1%}")
     print(f"  {'other':10s} {other / n:.4f} s  {other / total:6.1%}  (limit 15 %)")
     early = min(20, frames - 1)
-    print(f"  memory {memory[early]:.0f} MiB at frame {early}, {memory[frames - 1]:.0f} MiB at frame {frames - 1}")
+    later = [memory[frame] / memory[early] - 1 for frame in memory if frame >= early]
+    span = f"{min(later):+.1%} to {max(later):+.1%}"
+    first, last = f"{memory[early]:.0f} MiB at frame {early}", f"{memory[frames - 1]:.0f} at frame {frames - 1}"
+    print(f"  memory {first}, {last}; between them {span} (limit 5 %)")
 
 
 def main() -> None:
