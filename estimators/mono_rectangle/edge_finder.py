@@ -54,7 +54,7 @@ class EdgeFinder:
         normal, gap = edge_normals(ends, centre), self._gap(track.vertices_px, edge)
         spread = float(np.sqrt(np.diag(track.line_covariance(edge, normal)).max()))
         window = min(p.min_window_px + p.window_sigmas * spread, p.max_window_px)
-        trim = (p.trim_fraction, p.trim_px)
+        trim = (p.trim_fraction, p.trim_px + min(spread, 3.0))
         refit = EdgeRefit(self.intrinsics, p.kernel_sigma_px, trim, gap, (p.level_from_px, p.level_to_px))
         stations = stations_along(ends, normal, self.intrinsics, trim, gap)
         least_dn = p.min_step * (self.grey.white_dn - self.grey.black_dn)

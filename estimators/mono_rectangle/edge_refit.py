@@ -16,21 +16,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.mono_rectangle.edge_sides import sides_of
+from estimators.mono_rectangle.gradient_balance import to_balance
+from estimators.mono_rectangle.gradient_peak import to_gradient_peak
 from estimators.mono_rectangle.quadrilateral import edge_normals
 from estimators.mono_rectangle.robust_line import RobustLine, robust_line
+from estimators.mono_rectangle.step_profile import step_misfit, to_step
 from estimators.mono_rectangle.stations import Stations, stations_along
-from scenes.arrays import Bools, Floats
+from scenes.arrays import Floats
 from scenes.intrinsics import Intrinsics
 
-_PEAK_ROUNDS, _BALANCE_ROUNDS = 5, 3
-_PEAK_REST_PX, _BALANCE_REST_PX = 0.02, 2e-3
+_PEAK_ROUNDS, _BALANCE_ROUNDS, _STEP_ROUNDS = 5, 2, 3
+_PEAK_REST_PX, _REST_PX = 0.02, 2e-3
 _MAX_STEP_PX = 1.5
-_PSF_VARIANCE = 0.35  # px²: of a sharp lens and a box pixel; it only sets the length of a step, not where it ends
-_TRANSITION_PX = 1.75  # half-width of a step after box pixel and point spread
-_INSIDE_PX = 4.25  # beyond it, over how many pixels the brightness is taken, inside …
-_OUTSIDE_PX = (2.5, 1.0)  # … and outside: the second only if something stands close to the edge
+_OUTSIDE_PX = (2.5, 1.0)  # where the balance takes the brightness outside: the second only if something stands close
 _INNER_WEIGHT, _OUTER_WEIGHT = 1.54, 1.86  # root of the sum of squares of the balance's pixel weights on each side
 _PLAIN_STEP_PX, _PLAIN_STEP_SIGMAS = 0.25, 3.0  # how far the balance may lie from the peak if the step is plain
+_MOST_MISFIT = 25.0  # of the profile of a plain step, in variances of a pixel …
+_PLAIN_MISFIT, _MISFIT_VARIANCE_PX2 = 3.0, 0.008**2  # … beyond the first, each adds this to the variance of the line
 _PEAK_PHASE_SIGMA_PX = 0.04
 
 Measure = Callable[[NDArray[np.generic], Stations], tuple[Floats, Floats]]
@@ -73,21 +76,31 @@ class EdgeRefit:
     def fit(self, pixels: NDArray[np.generic], ends_px: Floats, centre_px: Floats, polarity: int) -> EdgeFit | None:
         """The edge near ``ends_px`` (2, 2) of the quadrilateral about ``centre_px``; None where the line runs away."""
         peak = self._rest(
-            pixels, ends_px, centre_px, lambda p, s: _to_gradient_peak(p, s, self.kernel_sigma_px, polarity), _PEAK_ROUNDS, _PEAK_REST_PX
+            pixels, ends_px, centre_px, lambda p, s: to_gradient_peak(p, s, self.kernel_sigma_px, polarity), _PEAK_ROUNDS, _PEAK_REST_PX
         )
         if peak is None:
             return None
         normal = edge_normals(peak[0], centre_px)
         for outside_px in _OUTSIDE_PX:
-            balance = self._rest(
-                pixels, peak[0], centre_px, lambda p, s, o=outside_px: _to_balance(p, s, o), _BALANCE_ROUNDS, _BALANCE_REST_PX
-            )
-            if balance is not None and _agree(peak, balance, normal):
-                return self._described(pixels, balance, normal, polarity, is_plain=True)
+            balance = self._rest(pixels, peak[0], centre_px, lambda p, s, o=outside_px: to_balance(p, s, o), _BALANCE_ROUNDS)
+            finest = self._finest(pixels, balance, centre_px) if balance is not None and _agree(peak, balance, normal) else None
+            if finest is not None:
+                return self._described(pixels, finest, normal, polarity, is_plain=True)
         return self._described(pixels, peak, normal, polarity, is_plain=False)
 
+    def _finest(self, pixels: NDArray[np.generic], balance: Rest, centre: Floats) -> Rest | None:
+        """From the balance to maximum likelihood; None where the profile is not a plain step's after all."""
+        inside, outside = sides_of(pixels, balance[1], self.levels_px)
+        step = self._rest(pixels, balance[0], centre, lambda p, s: to_step(p, s, inside, outside), _STEP_ROUNDS)
+        if step is None or not _agree(balance, step, edge_normals(balance[0], centre)):
+            return None
+        misfit = step_misfit(pixels, step[1], inside, outside)
+        extra = _MISFIT_VARIANCE_PX2 * max(misfit - _PLAIN_MISFIT, 0.0) * np.eye(2)
+        line = replace(step[2], covariance=step[2].covariance + extra)
+        return (step[0], step[1], line) if misfit < _MOST_MISFIT else None
+
     def _rest(
-        self, pixels: NDArray[np.generic], ends: Floats, centre: Floats, measure: Measure, rounds: int, rest_px: float
+        self, pixels: NDArray[np.generic], ends: Floats, centre: Floats, measure: Measure, rounds: int, rest_px: float = _REST_PX
     ) -> Rest | None:
         """Moves the line by what ``measure`` says of its stations until it moves no more."""
         for _ in range(rounds):
@@ -106,7 +119,7 @@ class EdgeRefit:
         self, pixels: NDArray[np.generic], found: Rest, normal: Floats, polarity: int, *, is_plain: bool
     ) -> EdgeFit:
         ends, stations, line = found
-        inner, outer = self._sides(pixels, replace(stations, **_only(stations, line)))
+        inner, outer = sides_of(pixels, replace(stations, **_only(stations, line)), self.levels_px)
         noise_dn = np.hypot(_INNER_WEIGHT * inner.noise_dn, _OUTER_WEIGHT * outer.noise_dn)
         extra = 0.0 if is_plain else _PEAK_PHASE_SIGMA_PX**2
         return EdgeFit(
@@ -122,28 +135,6 @@ class EdgeRefit:
             is_plain=is_plain,
         )
 
-    def _sides(self, pixels: NDArray[np.generic], stations: Stations) -> tuple["_Side", "_Side"]:
-        """What the picture is like inside and outside of the edge."""
-        reach = int(np.ceil(self.levels_px[1] / float(stations.cosine.min()))) + 1
-        values, outward = stations.gather(pixels, reach)
-        near = (np.abs(outward) > self.levels_px[0]) & (np.abs(outward) < self.levels_px[1])
-        return _side(values, near & (outward < 0)), _side(values, near & (outward > 0))
-
-
-@dataclass(frozen=True, slots=True)
-class _Side:
-    level_dn: float
-    noise_dn: float
-
-
-def _side(values: Floats, chosen: Bools) -> _Side:
-    """Median of the chosen pixels, and their noise from the differences of neighbours along the edge; NaN if there is none."""
-    if not chosen.any():
-        return _Side(float("nan"), float("nan"))
-    steps = np.diff(values, axis=0)[chosen[1:] & chosen[:-1]]
-    noise = 1.4826 * float(np.median(np.abs(steps))) / np.sqrt(2) if steps.size else float("nan")
-    return _Side(float(np.median(values[chosen])), noise)
-
 
 def _agree(peak: Rest, balance: Rest, normal: Floats) -> bool:
     """Whether both measures mean the same line, as they do on a plain step."""
@@ -155,42 +146,3 @@ def _agree(peak: Rest, balance: Rest, normal: Floats) -> bool:
 def _only(stations: Stations, line: RobustLine) -> dict[str, Floats]:
     keep = line.inliers
     return {name: getattr(stations, name)[keep] for name in ("at", "crossing", "fraction", "cosine")}
-
-
-def _to_gradient_peak(
-    pixels: NDArray[np.generic], stations: Stations, sigma: float, polarity: int
-) -> tuple[Floats, Floats]:
-    """Distance outward (n,) px from the line to the gradient's maximum, and the weight (n,): the gradient there."""
-    reach = int(np.ceil(4 * sigma / float(stations.cosine.min()))) + 1
-    values, outward = stations.gather(pixels, reach)
-    values = values - values[:, reach : reach + 1]
-    u = outward / sigma
-    bell = np.exp(-(u**2) / 2)
-    scale = polarity * stations.cosine / (sigma**2 * np.sqrt(2 * np.pi))
-    strength = -np.sum(values * u * bell, axis=1) * scale
-    change = -np.sum(values * (u**2 - 1) * bell, axis=1) * scale / sigma
-    typical = max(float(np.median(strength)), 1e-9)
-    distance = (sigma**2 + _PSF_VARIANCE) * change / np.maximum(strength, 0.3 * typical)
-    weight = np.where(strength > 0.3 * typical, np.minimum(strength, 3 * typical), 0.0)
-    return np.clip(distance, -2 * sigma, 2 * sigma), weight
-
-
-def _to_balance(pixels: NDArray[np.generic], stations: Stations, outside_px: float) -> tuple[Floats, Floats]:
-    """Distance outward (n,) px from the line to the gradient's balance, and the weight (n,): the step across the edge.
-
-    Σ D F(u) / Σ D over the differences D of neighbouring pixels at distances u. F(u) = u across the whole transition, so
-    that the quotient is the first moment; beyond, F sinks to 0, which takes the brightness on both sides from the
-    pixels at hand: farther inside, where there are more of them and their shot noise is larger.
-    """
-    slant = float(np.sqrt(1 / stations.cosine.min() ** 2 - 1))
-    full = _TRANSITION_PX * (1 + slant) / np.hypot(1, slant)
-    reach = int(np.ceil((full + max(_INSIDE_PX, outside_px)) / float(stations.cosine.min()))) + 1
-    values, outward = stations.gather(pixels, reach)
-    fall, at = -np.diff(values, axis=1), (outward[:, 1:] + outward[:, :-1]) / 2
-    fall = fall * stations.outward
-    ramp = np.interp(at, [-full - _INSIDE_PX, -full, full, full + outside_px], [0.0, -full, full, 0.0])
-    step = np.sum(fall, axis=1, where=np.abs(at) < full + 1)
-    typical = float(np.median(step))
-    sound = step * np.sign(typical) > 0.3 * abs(typical)
-    distance = np.sum(fall * ramp, axis=1) / np.where(sound, step, 1.0)
-    return np.clip(np.where(sound, distance, 0.0), -2, 2), np.where(sound, np.minimum(np.abs(step), 3 * abs(typical)), 0.0)

@@ -35,8 +35,8 @@ class TrackedParameters(Spec):
 
     # search about the predicted lines
     kernel_sigma_px: Positive = 1.0  # smoothing of the gradient across the edge
-    trim_fraction: Fraction = 0.06  # of the edge's length left out at each end …
-    trim_px: NonNegative = 3.0  # … and pixels on top, so that no corner is looked at
+    trim_fraction: Fraction = 0.02  # of the edge's length left out at each end …
+    trim_px: NonNegative = 2.5  # … and pixels on top, so that no corner is looked at
     gap_margin: Fraction = 0.02  # of the length, left out on both sides of a declared gap
     min_window_px: Positive = 3.0  # half-width of the search at a perfect prediction
     max_window_px: Positive = 16.0
@@ -46,7 +46,7 @@ class TrackedParameters(Spec):
     # an edge is visible if
     min_step: Fraction = 0.02  # its brightness step, of the scale black to white
     min_support: Fraction = 0.35  # stations that see it
-    max_scale_px: Positive = 0.15  # robust scatter of its stations about the line …
+    max_scale_px: Positive = 0.06  # robust scatter of its stations about the line …
     max_scale_over_noise: Positive = 1.5  # … or, if that is more, this many times what the pixels' noise explains
     max_outer_ratio: Fraction = 0.3  # free-standing: brightness outside over inside
     level_from_px: Positive = 2.5  # the levels beside an edge are read between these two distances
