@@ -200,21 +200,25 @@ def main(arguments: list[str] | None = None) -> None:
     try:
         status = app(args=arguments, prog_name="hardlight", standalone_mode=False)
     except Exception as error:
-        status = _failed(error, verb, "--debug" in arguments)
+        status = _failed(error, verb, arguments)
     if status == 130:
         complain(verb, INTERRUPTED.get(verb, "interrupted"))
     sys.exit(status if isinstance(status, int) else 0)
 
 
-def _failed(error: Exception, verb: str, debug: bool) -> int:
-    """Says in one sentence what went wrong and returns the exit status; with ``debug`` the traceback goes first."""
+def _failed(error: Exception, verb: str, arguments: list[str]) -> int:
+    """Says in one sentence what went wrong and returns the exit status; with ``--debug`` the traceback goes first."""
     from benchmark.failure import describe
 
-    if debug:
+    if "--debug" in arguments:
         import traceback
 
         traceback.print_exception(error)
-    sentence, status = describe(error, verb)
+    sentence, status = describe(error, verb, arguments)
     if sentence:
         complain(verb, sentence)
     return status
+
+
+if __name__ == "__main__":
+    main()

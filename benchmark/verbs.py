@@ -51,6 +51,7 @@ def render(
     preset = _preset(quality)
     from renderer.generate import generate
 
+    _warn_if_slow(console)
     count = loaded.frame_count if selected is None else len(selected)
     with console.stage(f"render {count} frames") as progress:
         generate(loaded, out, frames=selected, seed=seed, workers=workers, resume=resume, quality=preset, progress=progress)
@@ -139,6 +140,7 @@ def bench(suite: str, out: Path, workers: int, quality: str | None, console: Con
     from benchmark.suite import load_suite
 
     loaded, preset = load_suite(suite), _preset(quality)
+    _warn_if_slow(console)
     index = benching.bench(loaded, out, workers=workers, quality=preset, stages=console.stage)
     _print_table(out, index, console)
     report(out, console)
@@ -149,6 +151,15 @@ def report(folder: Path, console: Console) -> None:
     from benchmark import report as page
 
     console.say(f"the report: {page.write(folder).resolve()}")
+
+
+def _warn_if_slow(console: Console) -> None:
+    """Says why rendering will take long, where it will."""
+    from renderer.variant import probe
+
+    backend = probe()
+    if backend.is_scalar:
+        console.note(backend.reason)
 
 
 def _preset(name: str | None) -> "Quality | None":
