@@ -12,10 +12,11 @@ from pathlib import Path
 import pytest
 
 from renderer.again import cannot_compare, rerender
-from scenes.dataset import Dataset, verify
+from scenes.dataset import Dataset
+from scenes.dataset_verify import verify
 
-FRAMES = "0:240:20"
-COUNT = 12
+FRAMES = "0:720:18"
+COUNT = 40
 
 
 def hardlight_render(out: Path, *more: str, frames: str = FRAMES) -> list[str]:
@@ -48,34 +49,34 @@ def test_three_workers_write_the_same_bytes(one_worker, tmp_path):
 
 @pytest.mark.slow
 def test_a_frame_rendered_alone_has_the_same_bytes(one_worker, tmp_path):
-    subprocess.run(hardlight_render(tmp_path / "alone", frames="140:141"), check=True)
+    subprocess.run(hardlight_render(tmp_path / "alone", frames="144:145"), check=True)
     alone, whole = contents(tmp_path / "alone" / "frames"), contents(one_worker / "frames")
     assert len(alone) == 3
-    assert alone == {name: digest for name, digest in whole.items() if name.startswith("000140/")}
+    assert alone == {name: digest for name, digest in whole.items() if name.startswith("000144/")}
 
 
 def test_frames_rendered_again_are_equal_bit_by_bit(one_worker):
     dataset = Dataset.open(one_worker)
     assert cannot_compare(dataset) == ""
-    assert dict(rerender(dataset, [220, 0])) == {220: [], 0: []}
+    assert dict(rerender(dataset, [216, 0])) == {216: [], 0: []}
+
+
+def published(out: Path) -> int:
+    return len(list((out / "frames").glob("[0-9]*")))
 
 
 @pytest.mark.slow
 def test_killed_ten_times_and_resumed_gives_the_same_bytes(one_worker, tmp_path):
-    """SIGKILL at random moments of the run, workers included; what was published stays, what was not leaves no trace."""
-    out, moments, kills = tmp_path / "killed", random.Random(7), 0
-    while kills < 10:
-        published = len(list((out / "frames").glob("[0-9]*"))) if out.exists() else 0
-        if published >= COUNT - 1:  # nearly done: start over in place, so that all ten kills hit work in progress
-            for frame in sorted((out / "frames").glob("[0-9]*"))[1:]:
-                for file in frame.iterdir():
-                    file.unlink()
-                frame.rmdir()
+    """SIGKILL at random moments while frames are being made; what was published stays, what was not leaves no trace."""
+    out, moments = tmp_path / "killed", random.Random(7)
+    for _ in range(10):
+        before = published(out)
         run = subprocess.Popen(hardlight_render(out, "--resume"), start_new_session=True)
-        time.sleep(moments.uniform(1.5, 4.5))
-        if run.poll() is None:
-            os.killpg(run.pid, signal.SIGKILL)
-            kills += 1
+        while published(out) == before and run.poll() is None:
+            time.sleep(0.02)
+        time.sleep(moments.uniform(0, 0.5))
+        assert run.poll() is None, "the run was over before it could be killed"
+        os.killpg(run.pid, signal.SIGKILL)
         run.wait()
     subprocess.run(hardlight_render(out, "--resume"), check=True)
     assert contents(out) == contents(one_worker)
