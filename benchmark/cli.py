@@ -63,7 +63,7 @@ def demo(out: Out = Path("out/demo"), workers: Workers = 1, quiet: Quiet = False
     """The whole story in about two minutes: render two short fly-arounds, estimate, judge, write a page."""
     from benchmark import verbs
 
-    verbs.bench("demo", out, workers, None, Console(quiet))
+    verbs.demo(out, workers, Console(quiet))
 
 
 @app.command(short_help="what this machine can do, and what is missing", epilog=example("hardlight doctor"))

@@ -134,6 +134,13 @@ def judge(answers: Path, path: Path, out: Path, console: Console) -> None:
     _print_table(out, index, console)
 
 
+def demo(out: Path, workers: int, console: Console) -> None:
+    """The demo suite; where rays are traced one by one, a shorter one."""
+    from renderer.variant import probe
+
+    bench("demo-slow" if probe().is_scalar else "demo", out, workers, None, console)
+
+
 def bench(suite: str, out: Path, workers: int, quality: str | None, console: Console) -> None:
     """Runs a suite, prints the leaderboard, writes the page."""
     from benchmark import bench as benching
