@@ -44,7 +44,7 @@ def line_through(samples: Sequence[AttitudeSample]) -> AttitudeState:
         weighted = design.T @ np.linalg.inv(sample.covariance)
         information += weighted @ design
         moment += weighted @ turn
-    covariance = np.linalg.inv(information)
+    covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
     solution = covariance @ moment
     return AttitudeState(last.time_s, Rotation.from_rotvec(solution[:3]) * last.rotation, solution[3:], covariance)
 

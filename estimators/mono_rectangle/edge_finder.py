@@ -18,6 +18,7 @@ from scenes.intrinsics import Intrinsics
 from scenes.recording import Rectangle
 
 _SAME_LINE_PX = 0.5
+_MOST_TRIM_PX = 3.0  # by which an unknown corner shortens an edge at most
 _SUPPORT_COST = 8.0  # what a wholly unsupported edge would cost, in squared sigmas of the prediction
 
 
@@ -49,26 +50,33 @@ class EdgeFinder:
 
     def find(self, pixels: NDArray[np.generic], track: VertexTrack, edge: int) -> Sighting:
         """The candidates for an edge near its predicted place."""
-        p = self.parameters
-        ends, centre = edge_ends(track.vertices_px)[edge], track.vertices_px.mean(axis=0)
-        normal, gap = edge_normals(ends, centre), self._gap(track.vertices_px, edge)
-        spread = float(np.sqrt(np.diag(track.line_covariance(edge, normal)).max()))
-        window = min(p.min_window_px + p.window_sigmas * spread, p.max_window_px)
-        trim = (p.trim_fraction, p.trim_px + min(spread, 3.0))
-        refit = EdgeRefit(self.intrinsics, p.kernel_sigma_px, trim, gap, (p.level_from_px, p.level_to_px))
-        stations = stations_along(ends, normal, self.intrinsics, trim, gap)
-        least_dn = p.min_step * (self.grey.white_dn - self.grey.black_dn)
+        p, ends = self.parameters, edge_ends(track.vertices_px)[edge]
+        refit, window = self._looking(track, edge)
+        normal = edge_normals(ends, refit.centre_px)
+        stations = stations_along(ends, normal, self.intrinsics, refit.trim, refit.gap)
+        half_step_dn = 2 * p.min_step * (self.grey.white_dn - self.grey.black_dn)
         polarities = (1,) if self.rectangle.free_standing else (1, -1)
         found: list[Candidate] = []
         reason = ""
-        for shift, polarity in search_lines(pixels, stations, window, 2 * least_dn, polarities, p.candidates):
-            fit = refit.fit(pixels, ends + shift[:, None] * normal, centre, polarity)
+        for shift, polarity in search_lines(pixels, stations, window, half_step_dn, polarities, p.candidates):
+            fit = refit.fit(pixels, ends + shift[:, None] * normal, polarity)
             verdict, candidate = self._judge(fit, track, edge, window)
             if candidate is not None and not any(_same(candidate, other) for other in found):
                 found.append(candidate)
             reason = reason or verdict
         found.sort(key=lambda candidate: candidate.cost)
         return Sighting(tuple(found), "" if found else reason or "no straight step of brightness near it")
+
+    def _looking(self, track: VertexTrack, edge: int) -> tuple[EdgeRefit, float]:
+        """How to look at an edge, and how far from its predicted place, px: the less certain that is, the farther."""
+        p, vertices = self.parameters, track.vertices_px
+        centre = vertices.mean(axis=0)
+        covariance = track.line_covariance(edge, edge_normals(edge_ends(vertices)[edge], centre))
+        spread = float(np.sqrt(np.diag(covariance).max()))
+        trim = (p.trim_fraction, p.trim_px + min(spread, _MOST_TRIM_PX))
+        levels = (p.level_from_px, p.level_to_px)
+        refit = EdgeRefit(self.intrinsics, centre, p.kernel_sigma_px, trim, self._gap(vertices, edge), levels)
+        return refit, min(p.min_window_px + p.window_sigmas * spread, p.max_window_px)
 
     def _judge(self, fit: EdgeFit | None, track: VertexTrack, edge: int, window: float) -> tuple[str, Candidate | None]:
         if fit is None:

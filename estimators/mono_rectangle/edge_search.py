@@ -48,7 +48,7 @@ def _smoothed_gradient(pixels: NDArray[np.generic], stations: Stations, reach: i
     kernel = -offset * np.exp(-(offset**2) / 2) / np.sqrt(2 * np.pi)
     windows = np.lib.stride_tricks.sliding_window_view(values, 2 * _KERNEL_REACH + 1, axis=1)
     gradient = windows @ kernel * stations.outward
-    return gradient if stations.outward > 0 else gradient[:, ::-1]
+    return np.asarray(gradient if stations.outward > 0 else gradient[:, ::-1])
 
 
 def _ballot(votes: Floats, stations: Stations, reach: int, thin: int) -> Floats:

@@ -9,9 +9,7 @@ from scenes.arrays import Floats
 _PSF_VARIANCE = 0.35  # px²: of a sharp lens and a box pixel; it only sets the length of a step, not where it ends
 
 
-def to_gradient_peak(
-    pixels: NDArray[np.generic], stations: Stations, sigma: float, polarity: int
-) -> tuple[Floats, Floats]:
+def to_gradient_peak(pixels: NDArray[np.generic], stations: Stations, sigma: float, polarity: int) -> tuple[Floats, Floats]:
     """Distance outward (n,) px from the line to the gradient's maximum, and the weight (n,): the gradient there.
 
     The picture is correlated with the first and the second derivative of a Gaussian of ``sigma`` px at the line; at a

@@ -31,6 +31,6 @@ def quarter_turn(k: int) -> Rotation:
 
 def nearest_label(cam_from_feature: Rotation, predicted: Rotation) -> LabelChoice:
     """The k that minimises the geodesic angle between R·Rx(k·90°) and the prediction, and how clear that choice is."""
-    angles = (predicted.inv() * cam_from_feature * _QUARTER_TURNS).magnitude()
+    angles = np.asarray((predicted.inv() * cam_from_feature * _QUARTER_TURNS).magnitude())
     order = np.argsort(angles)
     return LabelChoice(k=int(order[0]), angle_rad=float(angles[order[0]]), margin_rad=float(angles[order[1]] - angles[order[0]]))

@@ -20,7 +20,7 @@ PAPER_FROM_CV = frozen([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 def paper_from_normalised(points: ArrayLike, focal_px: float) -> Floats:
     """The paper's image coordinates (u, v), (..., 2), in pixels, v up, of OpenCV-normalised points (x, y)."""
-    return np.asarray(points, dtype=np.float64) * np.array([focal_px, -focal_px])
+    return np.asarray(np.asarray(points, dtype=np.float64) * np.array([focal_px, -focal_px]))
 
 
 def paper_depth_ratios(uv_px: ArrayLike) -> DepthRatios:

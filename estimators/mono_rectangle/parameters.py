@@ -62,7 +62,7 @@ class TrackedParameters(Spec):
     lost_sigma_px: Positive = 5.0
 
     # accuracy and gates of the attitude
-    systematic_sigma_px: Positive = 0.012  # error of an edge's end that does not average out along it
+    systematic_sigma_px: Positive = 0.01  # error of an edge's end that does not average out along it
     gate_sigmas: Positive = 4.0  # innovation and r2·r3, in predicted sigmas
     aspect_sigma_px: Positive = 0.5  # how far a side may seem shifted by its own thickness, for the constancy of L/W
     max_sigma_deg: Positive = 3.5  # a measurement predicted to be worse than this is refused

@@ -29,11 +29,11 @@ def project_to_so3(raw: Floats, how: Projection = "svd") -> Floats:
 
 
 def _nearest_rotation(raw: Floats) -> Floats:
-    finite = np.isfinite(raw).all(axis=(-2, -1))
-    safe = np.where(finite[..., None, None], raw, np.eye(3))
+    finite = np.isfinite(raw).all(axis=(-2, -1), keepdims=True)
+    safe = np.where(finite, raw, np.eye(3))
     u, _, vt = np.linalg.svd(safe)
     u[..., :, 2] *= np.linalg.det(u @ vt)[..., None]
-    return np.where(finite[..., None, None], u @ vt, np.nan)
+    return np.where(finite, u @ vt, np.nan)
 
 
 def _orthogonal_to(kept: Floats, turned: Floats) -> Floats:

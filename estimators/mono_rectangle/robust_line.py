@@ -8,6 +8,7 @@ from scenes.arrays import Bools, Floats
 
 _REWEIGHTINGS = 4
 _TUKEY = 4.685
+_REWEIGHTING_LOSS = 1.32  # (E[weight]/E[ψ′])² of the biweight for Gaussian noise: the sandwich takes the weights for fixed
 _LEAST_SCALE_PX = 0.01
 _INLIER_PX = 0.3
 
@@ -32,18 +33,36 @@ def robust_line(fraction: Floats, distance: Floats, strength: Floats) -> RobustL
     seen = strength > 0
     if np.count_nonzero(seen) < 4:
         return None
-    design = np.stack([1 - fraction, fraction], axis=1)
     base = (strength / strength.max()) ** 2
-    shift = np.full(2, np.median(distance[seen]))
+    near, far = 1 - fraction, fraction
+    shift = np.full(2, _median(distance[seen]))
+    residual = distance - shift[0]
     for _ in range(_REWEIGHTINGS):
-        residual = distance - design @ shift
-        scale = max(1.4826 * float(np.median(np.abs(residual[seen]))), _LEAST_SCALE_PX)
-        weight = base * np.clip(1 - (residual / (_TUKEY * scale)) ** 2, 0, None) ** 2
-        normal = design.T @ (weight[:, None] * design)
-        if not np.linalg.det(normal) > 1e-6 * np.trace(normal) ** 2:
+        scale = max(1.4826 * _median(np.abs(residual[seen])), _LEAST_SCALE_PX)
+        weight = base * np.maximum(1 - (residual / (_TUKEY * scale)) ** 2, 0) ** 2
+        solvable = _inverse_normal(weight, near, far)
+        if solvable is None:
             return None
-        shift = np.linalg.solve(normal, design.T @ (weight * distance))
-    residual = distance - design @ shift
-    inverse = np.linalg.inv(normal)
-    covariance = inverse @ (design.T @ ((weight * residual)[:, None] ** 2 * design)) @ inverse
+        inverse = solvable
+        pull = weight * distance
+        shift = inverse @ np.array([pull @ near, pull @ far])
+        residual = distance - shift[0] * near - shift[1] * far
+    design, pull = np.stack([near, far], axis=1), weight * residual
+    moment = (pull[:, None] * design).T @ (pull[:, None] * design)
+    covariance = np.asarray(_REWEIGHTING_LOSS * inverse @ moment @ inverse)
     return RobustLine(shift, covariance, scale, seen & (np.abs(residual) < max(3 * scale, _INLIER_PX)))
+
+
+def _inverse_normal(weight: Floats, near: Floats, far: Floats) -> Floats | None:
+    """(AᵀWA)⁻¹ of the design [near, far]; None where the stations left do not tell the two ends apart."""
+    nn, nf, ff = float(weight @ near**2), float(weight @ (near * far)), float(weight @ far**2)
+    determinant = nn * ff - nf**2
+    if not determinant > 1e-6 * (nn + ff) ** 2:
+        return None
+    return np.array([[ff, -nf], [-nf, nn]]) / determinant
+
+
+def _median(values: Floats) -> float:
+    """The upper median: quicker than ``np.median``, and no worse for a scale."""
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle])

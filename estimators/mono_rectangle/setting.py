@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from scenes.recording import CornerPrior, Knowledge, Observation, Rectangle, SensorModel
 
+_WHITE_8_BIT = 255
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Setting:
@@ -26,6 +28,13 @@ class Setting:
         if pixels.shape != expected:
             return f"the picture is {pixels.shape} px (rows, columns), the calibration says {expected}"
         return pixels
+
+    def eight_bit(self, pixels: NDArray[np.generic]) -> NDArray[np.uint8]:
+        """The picture with white at 255, for methods that work on eight bits."""
+        if pixels.dtype == np.uint8 and self.sensor.white_dn == _WHITE_8_BIT:
+            return pixels.view(np.uint8)
+        scaled = pixels.astype(np.float32) * np.float32(_WHITE_8_BIT / self.sensor.white_dn)
+        return np.asarray(np.clip(np.rint(scaled), 0, _WHITE_8_BIT), dtype=np.uint8)
 
 
 def setting_from(knowledge: Knowledge) -> Setting:

@@ -43,16 +43,9 @@ def solve(
         return "the four lines are no rectangle seen from outside"
     if shortest := _too_short(vertices_px, parameters.min_side_px):
         return shortest
-    floor = parameters.systematic_sigma_px**2 * np.eye(2)
-    spread_px = vertex_covariance_px(
-        np.array([fit.normal for fit in fits]), np.array([fit.covariance + floor for fit in fits])
-    )
-    focal = np.tile([intrinsics.fx_px, intrinsics.fy_px], 4)
-    spread = spread_px / np.outer(focal, focal)
-    slopes = closed_form_sensitivity(vertices)
-    sensitivity = slopes.rotation
+    spread, slopes = _vertex_spread(fits, intrinsics, parameters.systematic_sigma_px), closed_form_sensitivity(vertices)
     raw = raw_rotation(vertices)
-    rotation = project_to_so3(raw, parameters.projection)
+    rotation, sensitivity = project_to_so3(raw, parameters.projection), slopes.rotation
     if parameters.solution == "fit" or aspect is not None:
         pose = _fitted(vertices, aspect, expected)
         rotation, sensitivity = pose.rotation, fit_sensitivity(pose, known_aspect=aspect is not None)
@@ -66,6 +59,14 @@ def solve(
         skew_sigma=float(np.sqrt(slopes.skew @ spread @ slopes.skew)),
     )
     return _gated(found, vertices, parameters)
+
+
+def _vertex_spread(fits: list[EdgeFit], intrinsics: Intrinsics, systematic_px: float) -> Floats:
+    """Covariance (8, 8) of the normalised vertices; ``systematic_px`` does not average out along an edge."""
+    floor = systematic_px**2 * np.eye(2)
+    spread_px = vertex_covariance_px(np.array([fit.normal for fit in fits]), np.array([fit.covariance + floor for fit in fits]))
+    focal = np.tile([intrinsics.fx_px, intrinsics.fy_px], 4)
+    return np.asarray(spread_px / np.outer(focal, focal))
 
 
 def view_angle(rotation: Rotation, vertices: Floats) -> float:

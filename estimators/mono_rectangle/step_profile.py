@@ -74,10 +74,11 @@ def _tap(residual: Floats, shape: Floats, weight: Floats) -> float:
 
 
 def _profile(x: Floats, slope: float) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-    """(C without point spread, what a tap of 1 adds to it), and both derivatives by x."""
-    before, here, after = (_covered(x + shift, slope) for shift in (-1, 0, 1))
-    d_before, d_here, d_after = (_covered_slope(x + shift, slope) for shift in (-1, 0, 1))
-    return (here, before + after - 2 * here), (d_here, d_before + d_after - 2 * d_here)
+    """(C without point spread, what a tap of 1 adds to it), and both derivatives by x; columns of ``x`` are a pixel apart."""
+    direction = x[:, 1] - x[:, 0]
+    wide = np.concatenate([x[:, :1] - direction[:, None], x, x[:, -1:] + direction[:, None]], axis=1)
+    c, d = _covered(wide, slope), _covered_slope(wide, slope)
+    return tuple((f[:, 1:-1], f[:, :-2] + f[:, 2:] - 2 * f[:, 1:-1]) for f in (c, d))  # type: ignore[return-value]
 
 
 def _covered(x: Floats, slope: float) -> Floats:

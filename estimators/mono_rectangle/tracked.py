@@ -38,12 +38,8 @@ class TrackedRectangle:
         """Raises ``ValueError`` if the rectangle, the corner prior or its sensor is not in ``knowledge``."""
         self._setting: Setting = setting_from(knowledge)
         sensor, rectangle = self._setting.sensor, self._setting.rectangle
-        self._finder = EdgeFinder(
-            sensor.intrinsics, GreyScale(sensor.black_dn, sensor.white_dn), rectangle, self.parameters
-        )
-        corners = ideal_from_normalised(
-            sensor.intrinsics.normalised_from_pixels(self._setting.prior.corners_px), sensor.intrinsics
-        )
+        self._finder = EdgeFinder(sensor.intrinsics, GreyScale(sensor.black_dn, sensor.white_dn), rectangle, self.parameters)
+        corners = ideal_from_normalised(sensor.intrinsics.normalised_from_pixels(self._setting.prior.corners_px), sensor.intrinsics)
         self._quad = self._fresh_track(corners, self._setting.prior.sigma_px)
         self._last_good = corners
         self._misses = 0

@@ -69,9 +69,7 @@ def updated(track: VertexTrack, edge: int, ends_px: Floats, normal: Floats, nois
     gap, _ = line_innovation(track, edge, ends_px, normal, noise)
     gain = np.linalg.solve(rows @ track.covariance @ rows.T + noise, rows @ track.covariance).T
     keep = np.eye(16) - gain @ rows
-    return replace(
-        track, mean=track.mean + gain @ gap, covariance=keep @ track.covariance @ keep.T + gain @ noise @ gain.T
-    )
+    return replace(track, mean=track.mean + gain @ gap, covariance=keep @ track.covariance @ keep.T + gain @ noise @ gain.T)
 
 
 def _line_rows(edge: int, normal: Floats) -> Floats:
