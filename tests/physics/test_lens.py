@@ -19,7 +19,7 @@ GRID_M = [(x, y) for x in (-5.4, -2.7, 0.0, 2.7, 5.4) for y in (-3.9, -1.3, 1.3,
 @pytest.fixture(scope="module")
 def studio() -> Studio:
     """A wide lens (65° × 51°) with a strong barrel before a tilted board of twenty small tiles."""
-    tiles = [box((TILE_M, TILE_M, 0.002), name=f"tile{i}", centre_m=(x, y, 0.0)) for i, (x, y) in enumerate(GRID_M)]
+    tiles = [box((TILE_M, TILE_M, 1e-4), name=f"tile{i}", centre_m=(x, y, 0.0)) for i, (x, y) in enumerate(GRID_M)]
     cam = camera(WIDTH, HEIGHT, F_PX, distortion=DISTORTION, principal_point_px=(188.0, 147.5))
     return Studio(scenario(tiles, cam, still(DISTANCE_M, (6.0, -9.0, 4.0))), Preset(256, 0, denoise_indirect=False))
 
@@ -83,7 +83,7 @@ def _outline(x: float, y: float) -> Floats:
     around = np.concatenate(
         [np.column_stack([steps, -half]), np.column_stack([half, steps]), np.column_stack([-steps, half]), np.column_stack([-half, -steps])]
     )
-    return np.column_stack([around * TILE_M + (x, y), np.full(len(around), -0.001)])
+    return np.column_stack([around * TILE_M + (x, y), np.full(len(around), -5e-5)])
 
 
 def _opencv(studio: Studio, points_target: Floats, *, distorted: bool = True) -> Floats:
