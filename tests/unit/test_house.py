@@ -3,6 +3,7 @@
 import ast
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -23,13 +24,16 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 @pytest.fixture(scope="module")
 def tracked(repository: Path) -> list[Path]:
-    """Every file in the repository; a copy without history is taken as it lies there, caches left out."""
-    listing = subprocess.run(["git", "ls-files", "-z"], cwd=repository, capture_output=True, text=True, check=False)
-    if listing.returncode == 0:
-        files = [repository / name for name in listing.stdout.split("\0") if name]
-    else:
-        files = [path for path in repository.rglob("*") if not {".venv", "__pycache__", "out"} & set(path.parts)]
-    return [path for path in files if path.is_file()]
+    """Every file of the repository; without git, or in a copy without history, every file that is no tool's cache."""
+    git = shutil.which("git")
+    listing = (
+        subprocess.run([git, "-C", repository, "ls-files", "-z"], capture_output=True, text=True, check=False) if git else None
+    )
+    if listing is not None and listing.returncode == 0:
+        return [path for name in listing.stdout.split("\0") if (path := repository / name).is_file()]
+    made = re.compile(r"\.venv.*|\.git|\..*cache|\.hypothesis|__pycache__|.*\.egg-info|out")
+    files = (path for path in repository.rglob("*") if path.is_file())
+    return [path for path in files if not any(made.fullmatch(part) for part in path.relative_to(repository).parts)]
 
 
 @pytest.fixture(scope="module")
