@@ -1,5 +1,6 @@
 """The result table as rows of text: what the terminal prints and the page shows, from the same summaries."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,3 +87,8 @@ def figure(value: Figure | None) -> str:
 def number(value: float) -> str:
     """Two decimals, so that a column lines up."""
     return f"{value:.2f}"
+
+
+def minus(text: str) -> str:
+    """Hyphens before digits as minus signs, and none before a zero."""
+    return re.sub(r"-(?=\d)", "−", re.sub(r"[-+](?=0\.?0*(?!\.?\d))", "", text))

@@ -1,185 +1,38 @@
 """report.html: one self-contained page from a folder of results. Nothing in it is fetched from a network."""
 
-import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 
-import numpy as np
-import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from scipy.spatial.transform import Rotation
 
-from benchmark import predictions
-from benchmark.angles import ANGLE_NAMES, paper_angles
+from benchmark import report_views as views
 from benchmark.files import publish
-from benchmark.judge import SCORES, swept_angle
-from benchmark.leaderboard import Row, overall, rows
-from benchmark.predictions import Predictions
-from benchmark.report_pictures import Picture, glimpse, picture
-from benchmark.report_plots import Track, error_plot
-from benchmark.results import Results, read
-from benchmark.suite import Published
+from benchmark.leaderboard import minus, overall, rows
+from benchmark.results import read
 from benchmark.summary import WRONG_DEG, Figure
-from scenes.dataset import Dataset
 
 PAGE = "report.html"
-_PICTURES_PER_ENTRY = 2
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class EntryView:
-    """One row of the page: the row of the table, what the method was told, and the pictures behind its worst frames."""
-
-    row: Row
-    series: int
-    answers: Predictions
-    scores: pd.DataFrame
-    pictures: tuple[Picture, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FeatureView:
-    """Everything about one feature of one case."""
-
-    name: str
-    plot: str
-    entries: tuple[EntryView, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CaseView:
-    """One case: its heading, its features, what a paper printed for it, and where its pictures come from."""
-
-    name: str
-    description: str
-    methods: tuple[tuple[str, int], ...]
-    features: tuple[FeatureView, ...]
-    published: tuple[Published, ...]
-    dataset: Dataset
-    glimpses: tuple[Picture, ...]
 
 
 def write(folder: Path) -> Path:
     """Makes the page of the results in ``folder`` and returns its path."""
     index = read(folder)
     titles = list(dict.fromkeys(entry.title for entry in index.entries))
-    cases = [_case(folder, index, name, titles) for name, _ in groupby(index.entries, key=lambda entry: entry.case)]
+    shown = views.cases(folder, index, titles)
     html = (
         _environment()
         .get_template("report.html.j2")
         .render(
             index=index,
-            cases=cases,
+            cases=shown,
             titles=titles,
             overall=overall(list(rows(folder, index))),
             wrong_deg=WRONG_DEG,
-            told=_told(cases),
+            constant=[row for row in rows(folder, index) if views.is_constant(row.summary)],
+            told=views.told(shown),
         )
     )
     publish(folder, {PAGE: html.encode()})
     return folder / PAGE
-
-
-def _case(folder: Path, index: Results, name: str, titles: Sequence[str]) -> CaseView:
-    mine = [row for row in rows(folder, index) if row.entry.case == name]
-    dataset = Dataset.open(folder / mine[0].entry.dataset)
-    heading = next(case for case in index.cases if case.name == name)
-    features = []
-    for feature, group in groupby(mine, key=lambda row: row.entry.feature):
-        entries = tuple(_entry(folder, dataset, row, titles.index(row.entry.title)) for row in group)
-        plot = _plot(entries, swept_angle(dataset.manifest.scenario), f"{name}-{feature}")
-        features.append(FeatureView(feature or "", plot, entries))
-    published = tuple(one for one in index.published if one.case == name)
-    methods = tuple((title, series) for series, title in enumerate(titles) if title in {row.entry.title for row in mine})
-    return CaseView(name, heading.description, methods, tuple(features), published, dataset, tuple(_glimpses(dataset)))
-
-
-def _glimpses(dataset: Dataset) -> Iterator[Picture]:
-    """The first and the last frame, between them the one with the most saturated pixels, else the middle one."""
-    frames, swept = dataset.frames, swept_angle(dataset.manifest.scenario)
-    saturated = dataset.truth_table().groupby("frame")["saturated_fraction"].max()
-    between = frames[int(np.nanargmax(saturated.to_numpy()))] if saturated.max() > 0 else frames[len(frames) // 2]
-    for frame in sorted({frames[0], between, frames[-1]}):
-        pose = next(iter(dataset.truth(frame).sensor_from_target.values()))
-        angle = "" if swept is None else f", θ = {_degrees(pose.rotation, swept):.1f}°"
-        yield glimpse(dataset, frame, minus(f"frame {frame}{angle}"))
-
-
-def _degrees(cam_from_target: Rotation, name: str) -> float:
-    return round(float(np.degrees(paper_angles(cam_from_target)[0, ANGLE_NAMES.index(name)])), 1) + 0.0  # no minus zero
-
-
-def _entry(folder: Path, dataset: Dataset, row: Row, series: int) -> EntryView:
-    answers = predictions.read(folder / row.entry.answers)
-    scores = pd.read_parquet(folder / row.entry.scores / SCORES)
-    scores = scores[scores["sensor"] == row.summary.sensor]
-    return EntryView(row, series, answers, scores, tuple(_pictures(dataset, row, answers, scores)))
-
-
-def _plot(entries: Sequence[EntryView], swept: str | None, salt: str) -> str:
-    """The error plot of a feature, empty where the scenario sweeps no angle."""
-    if swept is None:
-        return ""
-    tracks = [
-        Track(
-            title=entry.row.entry.title,
-            series=entry.series,
-            truth_deg=entry.scores[f"{swept}_deg"].to_numpy(),
-            error_deg=entry.scores[f"{swept}_error_deg"].to_numpy(),
-            answered=(entry.scores["outcome"] == "ok").to_numpy(),
-        )
-        for entry in entries
-    ]
-    return error_plot(tracks, salt)
-
-
-def _pictures(dataset: Dataset, row: Row, answers: Predictions, scores: pd.DataFrame) -> Iterator[Picture]:
-    """The worst answered frame and the first unanswered one; where all are answered, the two worst."""
-    features = {feature.name: feature for feature in dataset.features}
-    feature = features.get(row.entry.feature or "")
-    if feature is None:
-        return
-    answered = scores[scores["outcome"] == "ok"].sort_values("geodesic_deg", ascending=False, kind="stable")
-    failed = scores[scores["outcome"] != "ok"]
-    shown = pd.concat([answered.head(_PICTURES_PER_ENTRY - min(1, len(failed))), failed.head(1)])
-    table = answers.table.set_index("frame", drop=False)
-    for _, score in shown.iterrows():
-        answer = table.loc[score["frame"]] if score["frame"] in table.index else score
-        yield picture(dataset, feature, answer, _caption(score, answers, row))
-
-
-def _caption(score: pd.Series, answers: Predictions, row: Row) -> str:
-    swept = row.summary.swept
-    theta = f", θ = {round(score[f'{swept.name}_deg'], 1) + 0.0:.1f}°" if swept is not None else ""
-    head = minus(f"frame {score['frame']}{theta}")
-    if score["outcome"] != "ok":
-        return f"{head}: {score['outcome']}{_reason(score, answers)}"
-    signed = minus(f"error {score[f'{swept.name}_error_deg']:+.2f}°, ") if swept is not None else ""
-    return f"{head}: {signed}geodesic {score['geodesic_deg']:.2f}°"
-
-
-def _reason(score: pd.Series, answers: Predictions) -> str:
-    if answers.extras is None or "reason" not in answers.extras:
-        return ""
-    here = (answers.extras["frame"] == score["frame"]) & (answers.extras["sensor"] == score["sensor"])
-    text = "".join(answers.extras.loc[here, "reason"].head(1))
-    return f" — {text}" if text else ""
-
-
-def _told(cases: Sequence[CaseView]) -> dict[str, list[str]]:
-    """Method → the distinct declarations of what it was told."""
-    told: dict[str, list[str]] = {}
-    for case in cases:
-        for feature in case.features:
-            for entry in feature.entries:
-                knowledge = entry.row.summary.knowledge
-                sentence = knowledge.sentence(named=False) if knowledge is not None else "not declared"
-                texts = told.setdefault(entry.row.entry.title, [])
-                if sentence not in texts:
-                    texts.append(sentence)
-    return told
 
 
 def _environment() -> Environment:
@@ -192,8 +45,3 @@ def _environment() -> Environment:
 
 def _interval(one: Figure | None) -> str:
     return "" if one is None or one.low is None else minus(f"{one.low:.2f} … {one.high:.2f}")
-
-
-def minus(text: str) -> str:
-    """Hyphens before digits as minus signs, and none before a zero."""
-    return re.sub(r"-(?=\d)", "−", re.sub(r"[-+](?=0\.?0*(?!\.?\d))", "", text))

@@ -78,6 +78,7 @@ def _window(corners: Floats, model: SensorModel) -> tuple[int, int, int, int]:
     low, high = corners.min(axis=0), corners.max(axis=0)
     half = np.maximum((high - low) * (0.5 + _MARGIN), _SMALLEST_PX / 2)
     half[1] = max(half[1], half[0] / 4)
+    half[0] = max(half[0], half[1] * 2)
     size = np.array([model.intrinsics.width_px, model.intrinsics.height_px])
     first = np.clip(np.floor((low + high) / 2 - half), 0, size - 2).astype(int)
     last = np.clip(np.ceil((low + high) / 2 + half), first + 2, size).astype(int)

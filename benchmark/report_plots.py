@@ -81,9 +81,10 @@ def _dress(axes: Axes, limit_deg: float, rows: int) -> None:
     """Axes, grid and labels; the lowest ``rows`` · ``_BAND`` of the height is kept free for the failures."""
     scale = axes.yaxis.get_transform()
     top = float(scale.transform(np.array([limit_deg]))[0])
+    upper = float(scale.inverted().transform(np.array([1.06 * top]))[0])
     share = (rows + 0.4) * _BAND if rows else 0.0
-    bottom = -top - 2 * top * share / (1 - share)
-    axes.set_ylim(float(scale.inverted().transform(np.array([bottom]))[0]), limit_deg)
+    bottom = -top - 2.06 * top * share / (1 - share)
+    axes.set_ylim(float(scale.inverted().transform(np.array([bottom]))[0]), upper)
     if rows:
         axes.axhline(-limit_deg, color=_INK, linewidth=0.5, linestyle=(0, (2, 2)))
         axes.text(-0.012, share / 2, "none", transform=axes.transAxes, ha="right", va="center", color=_INK)

@@ -1,12 +1,7 @@
 """Loop 1: a method answers every frame of a data set. It is handed observations and its declared knowledge, nothing else."""
 
 import math
-import os
-import platform
-import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,30 +11,14 @@ import pandas as pd
 from benchmark import methods, predictions
 from benchmark.errors import ResultsConflict
 from benchmark.knowledge import Declaration
+from benchmark.machine import Stopwatch, this_machine
 from benchmark.predictions import COLUMNS, QUATERNION, TRANSLATION, Predictions
 from benchmark.progress import Progress
-from benchmark.records import MachineRecord, RunRecord
+from benchmark.records import RunRecord
 from estimators import registry
 from estimators.api import Estimate, Estimator, Outcome
 from scenes.dataset import Dataset
 from scenes.recording import Knowledge, Observation
-
-
-@dataclass(slots=True)
-class Stopwatch:
-    """CPU seconds of this process (all its threads) and wall seconds of one measured block."""
-
-    cpu_s: float = 0.0
-    wall_s: float = 0.0
-
-    @contextmanager
-    def running(self) -> Iterator[None]:
-        """Measures the block, also when it raises."""
-        cpu, wall = time.process_time(), time.perf_counter()
-        try:
-            yield
-        finally:
-            self.cpu_s, self.wall_s = time.process_time() - cpu, time.perf_counter() - wall
 
 
 def estimate(
@@ -151,22 +130,3 @@ def refuse_to_mix(out: Path, record: RunRecord) -> None:
         old, new = getattr(there, name), getattr(record, name)
         if old != new:
             raise ResultsConflict(f"{out} holds the answers of another run ({name}: {old} there, {new} now); choose another folder")
-
-
-def this_machine() -> MachineRecord:
-    """Processor, cores, system and Python of this machine."""
-    return MachineRecord(
-        processor=_processor_name(),
-        cores=os.cpu_count(),
-        system=f"{platform.system()} {platform.release()}",
-        python=platform.python_version(),
-    )
-
-
-def _processor_name() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor()

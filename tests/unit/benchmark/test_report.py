@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from benchmark import judge, predictions, report, results
 from benchmark.errors import PredictionsError
 from benchmark.knowledge import declare
-from benchmark.leaderboard import overall, rows
+from benchmark.leaderboard import minus, overall, rows
 from benchmark.records import RunRecord
 from benchmark.report_pictures import picture
 from benchmark.report_plots import Track, error_plot
@@ -123,8 +123,8 @@ def test_a_constant_answer_is_explained_with_its_own_figures(folder: Path, page:
     assert zero.swept is not None
     assert zero.swept.near_zero_answers == zero.answered == 18
     text = " ".join(re.sub(r"<[^>]+>", "", page).split())
-    assert "zero on turn, panel answers within 0.5° of zero in 18 of its 18 answered frames" in text
-    assert "toy on turn, panel answers within" not in text
+    assert "zero on turn, panel: within 0.5° of zero in 18 of 18 answered frames, largest error 20.0°" in text
+    assert "toy on turn, panel: within" not in text
 
 
 def test_no_negative_number_is_written_with_a_hyphen_in_the_tables(page: str) -> None:
@@ -246,4 +246,4 @@ def test_a_scenario_without_a_sweep_has_tables_and_no_plot(make_dataset: Callabl
     ],
 )
 def test_minus_signs(text: str, written: str) -> None:
-    assert report.minus(text) == written
+    assert minus(text) == written
