@@ -89,9 +89,7 @@ def _clean_edges(studio: Studio, feature: RectangleFeature, frame: int) -> dict[
         aside = (middle - centre) / np.linalg.norm(middle - centre)
         shows = aside @ (camera_target - middle) > 0 and aside @ scene.lights[0].direction_target > 0
         inwards = 0.05 * (centre - middle) / np.linalg.norm(centre - middle)
-        clean[name] = not shows and all(
-            _is_free(studio, start + step * inwards, end + step * inwards, frame) for step in (1, -6)
-        )
+        clean[name] = not shows and all(_is_free(studio, start + step * inwards, end + step * inwards, frame) for step in (1, -6))
     return clean
 
 

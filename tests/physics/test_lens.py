@@ -81,7 +81,12 @@ def _outline(x: float, y: float) -> Floats:
     steps = np.linspace(-0.5, 0.5, 20, endpoint=False)
     half = np.full_like(steps, 0.5)
     around = np.concatenate(
-        [np.column_stack([steps, -half]), np.column_stack([half, steps]), np.column_stack([-steps, half]), np.column_stack([-half, -steps])]
+        [
+            np.column_stack([steps, -half]),
+            np.column_stack([half, steps]),
+            np.column_stack([-steps, half]),
+            np.column_stack([-half, -steps]),
+        ]
     )
     return np.column_stack([around * TILE_M + (x, y), np.full(len(around), -5e-5)])
 

@@ -65,7 +65,9 @@ def test_truth_is_that_of_mid_exposure_and_the_window_holds_the_whole_motion():
     photo = Photographer(case, "cam").take(realize(case, 0, 0))
     row = photo.truth
     assert (row["tx_m"], row["ty_m"], row["tz_m"]) == pytest.approx((0.0, 0.0, 10.0), abs=1e-12)
-    still_case = scenario([box((2.0, 1.2, 0.3))], camera(192, 128, 300.0, EXPOSURE_S), still(10.0, (10.0, 20.0, 30.0)), quality="draft")
+    still_case = scenario(
+        [box((2.0, 1.2, 0.3))], camera(192, 128, 300.0, EXPOSURE_S), still(10.0, (10.0, 20.0, 30.0)), quality="draft"
+    )
     sharp = Photographer(still_case, "cam").take(realize(still_case, 0, 0))
     full = [np.zeros((128, 192), np.uint32) for _ in range(2)]
     for canvas, one in zip(full, (photo, sharp)):
