@@ -77,9 +77,12 @@ def _rendered_again(path: Path, sample: int, console: Console) -> list[str]:
     from scenes.dataset import Dataset
 
     dataset = Dataset.open(path)
-    why = cannot_compare(dataset)
+    try:
+        why = cannot_compare(dataset)
+    except ValueError:  # written by another version or another program: whole, but not ours to repeat
+        why = "its scenario is not one that this version can read"
     if why:
-        console.say(f"no frame was rendered again, because this machine makes other bits: {why}")
+        console.say(f"no frame was rendered again, which would not give the same bits: {why}")
         return []
     count = min(sample, len(dataset.frames))
     frames = [dataset.frames[index * len(dataset.frames) // count] for index in range(count)]

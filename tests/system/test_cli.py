@@ -4,6 +4,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import pandas as pd
 import pytest
 
 from estimators import registry
+from scenes.dataset_manifest import read_manifest
 
 VERBS = ("demo", "doctor", "list", "render", "verify", "estimate", "judge", "bench", "report")
 HEAVY = ("numpy", "scipy", "pandas", "pyarrow", "matplotlib", "cv2", "mitsuba", "drjit", "pydantic", "jinja2", "trimesh")
@@ -254,3 +256,22 @@ def test_a_terminal_gets_a_bar_with_the_time_that_is_left(tiny_dataset: Path, tm
     os.close(reader)
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", said.decode())
     assert re.search(r"mono-rectangle: 6 frames .*6/6 +0:00:0\d +left +0:00:00", text), text
+
+
+def test_verify_does_not_repeat_what_this_machine_would_render_otherwise(
+    tiny_dataset: Path, tmp_path: Path, hardlight: Callable[..., Any]
+) -> None:
+    """Manifests of another version are rewritten with a right identity, so that only the versions differ."""
+    copy = tmp_path / "data"
+    shutil.copytree(tiny_dataset, copy)
+    manifest = read_manifest(copy)
+    older = manifest.model_copy(update={"software": manifest.software | {"mitsuba": "3.0.0"}})
+    (copy / "manifest.json").write_text(older.to_json())
+    ended = hardlight("verify", copy, "--quiet")
+    assert ended.status == 0
+    assert re.search(r"no frame was rendered again, .*software\.mitsuba: 3\.0\.0 in the folder", ended.out)
+    stranger = manifest.model_copy(update={"scenario": manifest.scenario | {"frame_count": "many"}})
+    (copy / "manifest.json").write_text(stranger.to_json())
+    ended = hardlight("verify", copy, "--quiet")
+    assert ended.status == 0
+    assert "its scenario is not one that this version can read" in ended.out
