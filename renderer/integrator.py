@@ -3,7 +3,8 @@
 ``direct_layers`` follows light → surface → camera and keeps diffuse and specular lobes apart; ``indirect_layer`` follows what
 has met two or more surfaces (Kajiya 1986; next-event estimation and the power heuristic as in Veach 1997, chapter 9).
 direct + indirect equals a plain path tracer in expectation. Every function works on a whole wavefront (LLVM, CUDA) and on a
-single ray (scalar variants) alike; ``mask ^ True`` negates both a mask and a Python bool.
+single ray (scalar variants) alike; ``mask ^ True`` negates both a mask and a Python bool. Each ray draws its random numbers
+whatever it meets, so both come to the same picture.
 """
 
 from typing import Any
@@ -25,10 +26,11 @@ def direct_layers(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any, 
     """
     si = scene.ray_intersect(ray)
     hit = si.is_valid()
+    to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
+    in_lobe = (mi.Point2f(rng.next_float32(), rng.next_float32()), rng.next_float32()) if with_glints else None
     if _is_off(hit):
         return dict.fromkeys(("diffuse", "specular", "hit", "facing", "open"), 0.0)
     bsdf = si.bsdf(ray)
-    to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
     facing = hit & (dr.dot(si.n, to_sun) > 0) & (dr.dot(si.n, ray.d) < 0)
     is_open = facing & (scene.ray_test(si.spawn_ray(to_sun), facing) ^ True)
     wo = si.to_local(to_sun)
@@ -38,8 +40,8 @@ def direct_layers(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any, 
     if with_glints:
         specular = specular * _power(sun_density(dr, sun), bsdf.pdf(mi.BSDFContext(), si, wo, is_open))
     layers = {"diffuse": diffuse * weight, "specular": specular * weight}
-    if with_glints:
-        layers["specular"] += _glint(mi, scene, bsdf, si, sun, rng, hit)
+    if in_lobe:
+        layers["specular"] += _glint(mi, scene, bsdf, si, sun, in_lobe, hit)
     return layers | {"hit": _number(mi, hit), "facing": _number(mi, facing), "open": _number(mi, is_open)}
 
 
@@ -68,19 +70,19 @@ def indirect_layer(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any,
 
 def _sunlit(mi: Any, scene: Any, si: Any, ray: Any, sun: dict[str, Any], rng: Any, active: Any) -> Any:
     """Radiance that the surface at ``si`` sends back along ``ray`` in the sun's light, by next-event estimation alone."""
+    to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
     if _is_off(active):
         return 0.0
-    to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
     facing = active & (dr.dot(si.n, to_sun) > 0)
     is_open = facing & (scene.ray_test(si.spawn_ray(to_sun), facing) ^ True)
     value = si.bsdf(ray).eval(mi.BSDFContext(), si, si.to_local(to_sun), is_open)
     return dr.select(is_open, _first(value) * sun_weight(sun), 0.0)
 
 
-def _glint(mi: Any, scene: Any, bsdf: Any, si: Any, sun: dict[str, Any], rng: Any, hit: Any) -> Any:
+def _glint(mi: Any, scene: Any, bsdf: Any, si: Any, sun: dict[str, Any], in_lobe: tuple[Any, Any], hit: Any) -> Any:
     """Specular direct light found by sampling the surface's lobes: the other half of the power heuristic."""
-    u = mi.Point2f(rng.next_float32(), rng.next_float32())
-    sample, _ = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u, hit)
+    u, which_lobe = in_lobe
+    sample, _ = bsdf.sample(mi.BSDFContext(), si, which_lobe, u, hit)
     direction = si.to_world(sample.wo)
     lucky = hit & sees_sun(dr, sun, direction) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
     if _is_off(lucky):
