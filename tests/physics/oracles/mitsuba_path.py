@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from oracles.studio import Studio
 
+from oracles.studio import Studio
 from renderer.materials import bsdf
 from renderer.photometry import photometry
 from renderer.session import View
