@@ -47,7 +47,7 @@ class TrackedParameters(Spec):
     min_step: Fraction = 0.02  # its brightness step, of the scale black to white
     min_support: Fraction = 0.35  # stations that see it
     max_scale_px: Positive = 0.06  # robust scatter of its stations about the line …
-    max_scale_over_noise: Positive = 1.5  # … or, if that is more, this many times what the pixels' noise explains
+    max_scale_over_noise: Positive = 2.0  # … or, if that is more, this many times what the pixels' noise explains
     max_outer_ratio: Fraction = 0.3  # free-standing: brightness outside over inside
     level_from_px: Positive = 2.5  # the levels beside an edge are read between these two distances
     level_to_px: Positive = 4.5

@@ -112,7 +112,7 @@ def test_angles_at_the_gimbal_lock_of_either_sign(sign):
     assert np.all(found[:, 2] == 0)
     assert np.allclose(found[:, 1], sign * np.pi / 2, atol=1e-7)
     assert angle_between(rotation_from_zyx(found), R).max() < 1e-9
-    nearly = rotation_from_zyx(angles + [0, -sign * 1e-5, 0])
+    nearly = rotation_from_zyx(angles + np.array([0, -sign * 1e-5, 0]))
     assert angle_between(rotation_from_zyx(zyx_from_rotation(nearly)), nearly).max() < 1e-9
 
 
@@ -156,7 +156,7 @@ def test_v_down_is_noticed_by_case_2_and_not_by_case_1():
 
 
 def test_the_printed_equation_10_is_wrong_and_the_mended_one_right(random_poses):
-    (u1, v1), (u2, v2), (u3, v3), (u4, v4) = np.moveaxis(paper_from_normalised(random_poses["vertices"], F_PX), 0, -1)
+    (u1, v1), (u2, v2), (u3, v3), (_, v4) = np.moveaxis(paper_from_normalised(random_poses["vertices"], F_PX), 0, -1)
     printed = ((u2 - u3) * (v2 - v1) - (u2 - u1) * (v2 - v3)) / ((u2 - u1) * (v2 - v3) - (u2 - u3) * (v2 - v4))
     true = random_poses["points"][:, 3, 2] / random_poses["points"][:, 0, 2]
     assert np.median(np.abs(printed - true)) > 1

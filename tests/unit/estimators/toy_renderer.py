@@ -71,28 +71,32 @@ def pose(case, theta_rad):
     return Rotation.from_matrix(CV_FROM_PAPER @ Rotation.from_rotvec(-theta_rad * np.array(axis, float)).as_matrix())
 
 
-def corners_px(rotation, feature):
+def corners_px(rotation, feature, position_m=(0.0, 0.0, RANGE_M)):
     """Projected corners P1..P4 of a named feature, (4, 2) pixels."""
     centre, length, width, _, _ = FEATURES[feature]
     signs = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
     local = np.column_stack([np.zeros(4), signs[:, 0] * length / 2, signs[:, 1] * width / 2]) + centre
-    return _project(rotation.apply(local) + [0, 0, RANGE_M])
+    return _project(rotation.apply(local) + np.asarray(position_m))
 
 
-def render(rotation, seed=None, sun_paper=SUN_PAPER, distort=None):
-    """The 8-bit picture of the target, seeded noise if ``seed`` is given, else the rounded expectation."""
+def render(rotation, seed=None, sun_paper=SUN_PAPER, distort=None, position_m=(0.0, 0.0, RANGE_M), bits=8):
+    """The picture of the target, seeded noise if ``seed`` is given, else the rounded expectation."""
     signal = np.zeros((CAMERA[4], CAMERA[3]))
     sun_target = rotation.inv().apply(CV_FROM_PAPER @ sun_paper)
-    eye_target = rotation.inv().apply([0, 0, -RANGE_M])
+    eye_target = rotation.inv().apply(-np.asarray(position_m))
+
+    def project(points_target):
+        return _project(rotation.apply(points_target) + np.asarray(position_m))
+
     groups = boxes()
     order = np.argsort([_gap(group, eye_target[1]) for group in groups])
     in_front = []
     for index in order:
         for box in groups[index]:
-            _paint(signal, box, rotation, sun_target, eye_target, in_front, groups)
-        in_front += [_hull(_project(rotation.apply(box.vertices()) + [0, 0, RANGE_M])) for box in groups[index]]
+            _paint(signal, box, project, sun_target, eye_target, in_front, groups)
+        in_front += [_hull(project(box.vertices())) for box in groups[index]]
     blurred = cv2.GaussianBlur(signal, (9, 9), PSF_SIGMA_PX)
-    return _expose(blurred if distort is None else distort(blurred), seed)
+    return _expose(blurred if distort is None else distort(blurred), seed, bits)
 
 
 def _gap(group, y):
@@ -100,14 +104,14 @@ def _gap(group, y):
     return 0.0 if low <= y <= high else min(abs(y - low), abs(y - high))
 
 
-def _paint(signal, box, rotation, sun_target, eye_target, in_front, groups):
+def _paint(signal, box, project, sun_target, eye_target, in_front, groups):
     for normal, corners in box.faces():
         cosine = normal @ sun_target
         if normal @ (eye_target - corners[0]) <= 0 or cosine <= 0:
             continue
-        polygon = _project(rotation.apply(corners) + [0, 0, RANGE_M])
+        polygon = project(corners)
         shadows = [
-            _project(rotation.apply(shadow) + [0, 0, RANGE_M])
+            project(shadow)
             for group in groups
             for other in group
             if other is not box and (shadow := _shadow(other, normal, corners, sun_target)) is not None
@@ -193,9 +197,11 @@ def _accumulate(signal, polygon, value):
     signal[y0:y1, x0:x1] += value * coverage
 
 
-def _expose(signal_dn, seed):
+def _expose(signal_dn, seed, bits):
     electrons = np.clip(signal_dn, 0, None) * ELECTRONS_PER_DN
     if seed is not None:
         rng = np.random.default_rng(seed)
         electrons = rng.poisson(electrons) + rng.normal(0, READ_NOISE_E, electrons.shape)
-    return np.clip(np.rint(electrons / ELECTRONS_PER_DN + BLACK_DN), 0, 255).astype(np.uint8)
+    finer = (2**bits - 1) / 255  # of the same full scale
+    dn = np.rint((electrons / ELECTRONS_PER_DN + BLACK_DN) * finer)
+    return np.clip(dn, 0, 2**bits - 1).astype(np.uint8 if bits == 8 else np.uint16)

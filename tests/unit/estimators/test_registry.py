@@ -1,0 +1,50 @@
+"""Methods by name: listed without being imported, errors that help."""
+
+import subprocess
+import sys
+
+import pytest
+
+from estimators import registry
+from estimators.api import Estimator
+from estimators.mono_rectangle.tracked import TrackedRectangle
+from scenes.errors import UsageError
+
+
+def test_ours_come_through_the_door():
+    assert {"mono-rectangle", "mono-rectangle-paper"} <= set(registry.names())
+    for name in ("mono-rectangle", "mono-rectangle-paper"):
+        assert isinstance(registry.load(name), Estimator)
+
+
+def test_listing_imports_no_method():
+    code = "import sys; from estimators import registry; registry.names(); print({'cv2', 'estimators.mono_rectangle'} & set(sys.modules))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert out.strip() == "set()"
+
+
+def test_a_class_by_its_path_and_parameters():
+    method = registry.load("estimators.mono_rectangle.tracked:TrackedRectangle", filter=True)
+    assert isinstance(method, TrackedRectangle)
+    assert method.parameters.filter
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "message"),
+    [
+        ("mono-rectangel", {}, "no method is called 'mono-rectangel'; did you mean 'mono-rectangle'?"),
+        ("nowhere.at.all:Thing", {}, "module 'nowhere.at.all' does not import: No module named 'nowhere'"),
+        ("json:Decoder", {}, "module 'json' has no 'Decoder'"),
+        ("json:", {}, "module 'json' has no ''"),
+        ("json:__name__", {}, "'__name__' of module 'json' is not a class"),
+        ("collections:OrderedDict", {}, "gives a OrderedDict, which has no start and step"),
+        ("mono-rectangle", {"filtr": 1}, "refuses filtr=1: filtr: Extra inputs are not permitted"),
+        ("mono-rectangle", {"min_support": 2}, "refuses min_support=2: min_support: Input should be less than or equal to 1"),
+        ("mono-rectangle-paper", {"votes": "many"}, "refuses votes='many': votes: Input should be a valid integer"),
+    ],
+)
+def test_errors_are_one_sentence(name, parameters, message):
+    with pytest.raises(UsageError) as caught:
+        registry.load(name, **parameters)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
