@@ -18,7 +18,8 @@ def test_ours_come_through_the_door():
 
 
 def test_listing_imports_no_method():
-    code = "import sys; from estimators import registry; registry.names(); print({'cv2', 'estimators.mono_rectangle'} & set(sys.modules))"
+    loaded = "{'cv2', 'estimators.mono_rectangle'} & set(sys.modules)"
+    code = f"import sys; from estimators import registry; registry.names(); print({loaded})"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.strip() == "set()"
 

@@ -35,7 +35,7 @@ def noisy(vertices, sigma_px, seed, count=1):
 
 
 def test_the_closed_form_agrees_with_cv2_which_knows_the_size():
-    R, vertices = posed()
+    _, vertices = posed()
     ok, turn, _ = cv2.solvePnP(CORNERS, vertices * F_PX, np.diag([F_PX, F_PX, 1.0]), None)
     assert ok
     assert np.abs(cv2.Rodrigues(turn)[0] - raw_rotation(vertices)).max() < 1e-5
