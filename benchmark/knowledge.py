@@ -53,6 +53,8 @@ def declare(
     record = KnowledgeRecord(
         sensors=tuple(sensors),
         feature=feature.name,
+        gap=feature.gap,
+        free_standing=feature.free_standing,
         aspect=aspect,
         corner_prior=CornerPriorRecord(sensor=sensor, frame=first, corners_px=prior.corners_px.tolist(), sigma_px=sigma_px),
     )

@@ -23,6 +23,8 @@ class KnowledgeRecord(Spec):
 
     sensors: tuple[str, ...]
     feature: str | None = None
+    gap: tuple[float, float] | None = None
+    free_standing: bool = False
     aspect: float | None = None
     corner_prior: CornerPriorRecord | None = None
 
@@ -31,6 +33,10 @@ class KnowledgeRecord(Spec):
         told = ["calibration"]
         if self.feature is not None:
             told.append("how the rectangle" + (f" '{self.feature}'" if named else "") + " lies on the target")
+        if self.gap is not None:
+            told.append("between which parts of its length the long edges are missing")
+        if self.free_standing:
+            told.append("that open space surrounds it")
         if self.aspect is not None:
             told.append(f"its aspect ratio {self.aspect:.3g}")
         if self.corner_prior is not None:

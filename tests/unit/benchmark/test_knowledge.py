@@ -60,8 +60,10 @@ def test_the_record_says_everything_that_was_told(dataset: Dataset) -> None:
     assert record.corner_prior is not None
     assert knowledge.corner_prior is not None
     assert_allclose(record.corner_prior.corners_px, knowledge.corner_prior.corners_px, atol=0)
+    assert knowledge.rectangle is not None
+    assert (record.gap, record.free_standing) == (knowledge.rectangle.gap, knowledge.rectangle.free_standing)
     assert record.sentence() == (
-        "calibration, how the rectangle 'panel' lies on the target, its aspect ratio 2, "
+        "calibration, how the rectangle 'panel' lies on the target, that open space surrounds it, its aspect ratio 2, "
         "its 4 corner pixels in the first frame (σ 3 px)"
     )
     assert type(record).model_validate_json(record.model_dump_json()) == record
