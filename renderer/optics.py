@@ -16,7 +16,7 @@ def psf_kernel(sigma_px: float) -> Floats:
     Lindeberg 1990, eq. 15. A sampled Gaussian of σ = 0.5 px has 15 % too little variance; this one has none too little and
     keeps the semigroup law, two blurs of σ₁ and σ₂ make one of √(σ₁² + σ₂²).
     """
-    reach = 4 + math.ceil(6 * sigma_px)  # what is cut off holds less than 1e-8 of the variance
+    reach = 4 + math.ceil(6 * sigma_px)  # what is cut off holds less than 1e-7 of the variance
     kernel = ive(np.abs(np.arange(-reach, reach + 1)), sigma_px**2)
     return np.asarray(kernel / kernel.sum())
 

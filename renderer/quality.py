@@ -1,5 +1,6 @@
 """Quality presets: how many samples, and whether the indirect layer is filtered. Direct light is never filtered."""
 
+import math
 from dataclasses import dataclass
 
 from renderer.integrator import MAX_SCATTERINGS
@@ -17,6 +18,12 @@ class Preset:
     max_scatterings: int = MAX_SCATTERINGS
     denoise_indirect: bool = True
     stratified: bool = True
+
+    def __post_init__(self) -> None:
+        """Raises ``ValueError`` where a grid has gaps or reaches out of its pixel."""
+        for layer, samples in (("direct", self.direct_samples), ("indirect", self.indirect_samples)):
+            if self.stratified and math.isqrt(samples) ** 2 != samples:
+                raise ValueError(f"{samples} {layer} samples fill no square grid")
 
 
 PRESETS = {
