@@ -63,11 +63,20 @@ class Normal(Spec):
         return float(rng.normal(self.mean, self.sigma))
 
 
+def _has_a_direction(vector: Vector3) -> Vector3:
+    if not any(vector):
+        raise ValueError("a zero vector has no direction")
+    return vector
+
+
+NonZeroVector3 = Annotated[Vector3, AfterValidator(_has_a_direction)]
+
+
 class OnSphere(Spec):
     """A direction uniform over the cap of half-angle ``within_deg`` about ``about`` (180 = the whole sphere)."""
 
     draw: Literal["on-sphere"]
-    about: Vector3 = (0.0, 0.0, 1.0)
+    about: NonZeroVector3 = (0.0, 0.0, 1.0)
     within_deg: Annotated[float, Field(ge=0, le=180)] = 180.0
 
     def sample(self, rng: np.random.Generator) -> Floats:
@@ -95,7 +104,7 @@ def _lowest(field: "Scalar") -> float:
 
 Scalar = float | Annotated[Uniform | LogUniform | Normal, Field(discriminator="draw")]
 PositiveScalar = Annotated[Scalar, AfterValidator(_only_positive)]
-Direction = Vector3 | OnSphere
+Direction = NonZeroVector3 | OnSphere
 
 
 def scalar(field: Scalar, rng: np.random.Generator) -> float:

@@ -12,7 +12,7 @@ from renderer import variant
 from renderer.variant import _llvm_version, probe
 
 PROBE = "import json, dataclasses; from renderer.variant import probe; print(json.dumps(dataclasses.asdict(probe())))"
-OLD_LLVM = [path for path in sorted(Path("/usr/lib").glob("*-linux-gnu/libLLVM-1[45].so.1"))]
+OLD_LLVM = sorted(Path("/usr/lib").glob("*-linux-gnu/libLLVM-1[45].so.1"))
 
 
 def _probed(llvm: str, cache: Path) -> dict[str, str | None]:
@@ -124,6 +124,6 @@ def test_the_users_word_is_final(candidates: list[tuple[str, str | None]], monke
 
 def test_newer_libraries_are_tried_first():
     names = ["libLLVM-14.so.1", "libLLVM.so.19.1", "libLLVM-19.so", "libLLVM-9.so", "libLLVM.so.22.0", "libLLVM-15.so"]
-    ordered = sorted(map(Path, names), key=_llvm_version, reverse=True)
-    assert [path.name for path in ordered][0] == "libLLVM.so.22.0"
-    assert [path.name for path in ordered][-3:] == ["libLLVM-15.so", "libLLVM-14.so.1", "libLLVM-9.so"]
+    ordered = [path.name for path in sorted(map(Path, names), key=_llvm_version, reverse=True)]
+    assert ordered[0] == "libLLVM.so.22.0"
+    assert ordered[-3:] == ["libLLVM-15.so", "libLLVM-14.so.1", "libLLVM-9.so"]
