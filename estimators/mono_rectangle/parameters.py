@@ -36,7 +36,7 @@ class TrackedParameters(Spec):
     # search about the predicted lines
     kernel_sigma_px: Positive = 1.0  # smoothing of the gradient across the edge
     trim_fraction: Fraction = 0.02  # of the edge's length left out at each end …
-    trim_px: NonNegative = 2.5  # … and pixels on top, so that no corner is looked at
+    trim_px: NonNegative = 1.5  # … and pixels on top, so that no corner is looked at
     gap_margin: Fraction = 0.02  # of the length, left out on both sides of a declared gap
     min_window_px: Positive = 3.0  # half-width of the search at a perfect prediction
     max_window_px: Positive = 16.0
@@ -65,12 +65,13 @@ class TrackedParameters(Spec):
     systematic_sigma_px: Positive = 0.01  # error of an edge's end that does not average out along it
     gate_sigmas: Positive = 4.0  # innovation and r2·r3, in predicted sigmas
     aspect_sigma_px: Positive = 0.5  # how far a side may seem shifted by its own thickness, for the constancy of L/W
-    max_sigma_deg: Positive = 3.5  # a measurement predicted to be worse than this is refused
+    max_sigma_deg: Positive = 4.0  # a measurement predicted to be worse than this is refused
     max_view_angle_deg: Positive = 78.0
     min_side_px: Positive = 8.0
     label_margin_deg: Positive = 15.0
 
     # the attitude filter
     rate_noise_deg2_s3: Positive = 1e-7  # power spectral density of the angular acceleration, each axis
+    settled: Fraction = 1.0  # filtered answers begin when their sigma is this share of one frame's; 1: at once, with raw ones
     start_frames: Annotated[int, Field(ge=3)] = 5  # accepted frames behind the line that starts the rate
     restart_after: Count = 5  # frames refused in a row until the filter starts anew

@@ -17,8 +17,8 @@ from estimators.mono_rectangle.stations import Stations
 from scenes.arrays import Floats
 
 _LEAST_SLOPE = 0.02
-_REACH_PX = 2.25  # across which the profile is compared
-_INSIDE_PX, _OUTSIDE_PX = 3.5, 1.5  # beyond it, over which the levels are taken
+_REACH_PX = 1.75  # across which the profile is compared
+_INSIDE_PX, _OUTSIDE_PX = 3.5, 2.0  # beyond it, over which the levels are taken
 _TAP, _TAP_SIGMA, _TAP_MOST = 0.11, 0.05, 0.24
 
 

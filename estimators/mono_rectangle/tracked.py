@@ -16,6 +16,7 @@ from estimators.mono_rectangle.aspect_memory import AspectMemory
 from estimators.mono_rectangle.attitude_filter import AttitudeSample
 from estimators.mono_rectangle.attitude_track import AttitudeTrack, Verdict
 from estimators.mono_rectangle.edge_finder import Candidate, EdgeFinder, Sighting
+from estimators.mono_rectangle.edge_refit import EdgeFit
 from estimators.mono_rectangle.parameters import TrackedParameters
 from estimators.mono_rectangle.quad_choice import choose_lines
 from estimators.mono_rectangle.quadrilateral import EDGE_NAMES, ideal_from_normalised
@@ -58,25 +59,28 @@ class TrackedRectangle:
         sightings = [self._finder.find(pixels, quad, edge) for edge in range(4)]
         lines = choose_lines(sightings, self._setting.sensor.intrinsics, self._shape)
         self._follow_quad(quad, lines)
-        extras = _line_extras(lines)
         seen = [line.fit for line in lines if line is not None]
         if len(seen) < 4:
-            return self._failed(Outcome.NO_FEATURES, _unseen(sightings), extras)
-        expected = self._attitude.predicted(observation.time_s)
+            return self._failed(Outcome.NO_FEATURES, _unseen(sightings), _line_extras(lines))
+        return self._attitude_from(seen, observation.time_s, quad, _line_extras(lines))
+
+    def _attitude_from(self, seen: list[EdgeFit], time_s: float, quad: VertexTrack, extras: dict[str, float]) -> Estimate:
+        """Four lines → attitude, unless they are no rectangle, another rectangle, or not where the past leads."""
+        expected = self._attitude.predicted(time_s)
         solution = solve(seen, self._setting.sensor.intrinsics, self.parameters, self._aspect, expected)
         if isinstance(solution, str):
             return self._refused(Outcome.NOT_CONVERGED, solution, extras)
         if misfit := self._shape.why_not(solution):
-            self._quad = quad
+            self._quad = quad  # the track of the vertices does not learn from another's edge
             return self._refused(Outcome.NOT_CONVERGED, misfit, extras)
-        verdict = self._attitude.take(AttitudeSample(observation.time_s, solution.rotation, solution.covariance))
-        extras |= self._attitude_extras(solution, verdict)
+        verdict = self._attitude.take(AttitudeSample(time_s, solution.rotation, solution.covariance))
+        extras = extras | self._attitude_extras(solution, verdict)
         if verdict.reason:
             return self._refused(Outcome.DIVERGED, verdict.reason, extras)
-        self._refusals = 0
-        self._last_good = solution.vertices_px
-        answer = self._filtered(verdict)
-        return Estimate(self._setting.sensor_name, Outcome.OK, self._on_target(answer), extras=extras)
+        self._refusals, self._last_good = 0, solution.vertices_px
+        if waiting := self._unsettled(verdict):
+            return self._failed(Outcome.NOT_CONVERGED, waiting, extras)
+        return Estimate(self._setting.sensor_name, Outcome.OK, self._on_target(self._filtered(verdict)), extras=extras)
 
     def _fresh_track(self, vertices_px: Floats, sigma_px: float) -> VertexTrack:
         return vertex_track.started(vertices_px, sigma_px, float(np.deg2rad(self.parameters.rate_prior_deg_s)))
@@ -107,6 +111,20 @@ class TrackedRectangle:
             self._shape.forget()
             self._refusals = 0
         return self._failed(outcome, reason, extras)
+
+    def _unsettled(self, verdict: Verdict) -> str:
+        """Why there is no filtered answer yet, or "" if there is one or none is wanted."""
+        share = self.parameters.settled
+        if not self.parameters.filter or share == 1:
+            return ""
+        state = self._attitude.state
+        if state is None:
+            return "the filter has not started: it needs frames on a line of constant rate"
+        now, single = (np.sqrt(np.linalg.eigvalsh(c)[-1]) for c in (state.covariance[:3, :3], verdict.sample.covariance))
+        if now <= share * single:
+            return ""
+        now_deg, single_deg = np.rad2deg(now), np.rad2deg(single)
+        return f"the filter has not settled: {now_deg:.2f} deg, above {share:.0%} of one frame's {single_deg:.2f} deg"
 
     def _filtered(self, verdict: Verdict) -> Rotation:
         state = self._attitude.state

@@ -23,6 +23,6 @@ def out_of_plane() -> Sweep:
 
 
 @pytest.fixture(scope="session")
-def dense() -> Sweep:
-    """100 frames of case 1 at 1 Hz, -30° to -20°."""
-    return Sweep.drawn(case=1, first_deg=-30.0, last_deg=-20.1, frames=100)
+def dense() -> list[Sweep]:
+    """100 frames of case 1 at 1 Hz, -30° to -20°, with three noises."""
+    return Sweep.redrawn(case=1, first_deg=-30.0, last_deg=-20.1, frames=100, seeds=(1, 2, 3))

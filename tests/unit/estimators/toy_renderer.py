@@ -79,8 +79,14 @@ def corners_px(rotation, feature, position_m=(0.0, 0.0, RANGE_M)):
     return _project(rotation.apply(local) + np.asarray(position_m))
 
 
-def render(rotation, seed=None, sun_paper=SUN_PAPER, distort=None, position_m=(0.0, 0.0, RANGE_M), bits=8):
+def render(rotation, seed=None, distort=None, position_m=(0.0, 0.0, RANGE_M), bits=8):
     """The picture of the target, seeded noise if ``seed`` is given, else the rounded expectation."""
+    signal = signal_dn(rotation, position_m=position_m)
+    return expose(signal if distort is None else distort(signal), seed, bits)
+
+
+def signal_dn(rotation, sun_paper=SUN_PAPER, position_m=(0.0, 0.0, RANGE_M)):
+    """What falls on the sensor, in 8-bit DN above black."""
     signal = np.zeros((CAMERA[4], CAMERA[3]))
     sun_target = rotation.inv().apply(CV_FROM_PAPER @ sun_paper)
     eye_target = rotation.inv().apply(-np.asarray(position_m))
@@ -95,8 +101,7 @@ def render(rotation, seed=None, sun_paper=SUN_PAPER, distort=None, position_m=(0
         for box in groups[index]:
             _paint(signal, box, project, sun_target, eye_target, in_front, groups)
         in_front += [_hull(project(box.vertices())) for box in groups[index]]
-    blurred = cv2.GaussianBlur(signal, (9, 9), PSF_SIGMA_PX)
-    return _expose(blurred if distort is None else distort(blurred), seed, bits)
+    return cv2.GaussianBlur(signal, (9, 9), PSF_SIGMA_PX)
 
 
 def _gap(group, y):
@@ -197,8 +202,9 @@ def _accumulate(signal, polygon, value):
     signal[y0:y1, x0:x1] += value * coverage
 
 
-def _expose(signal_dn, seed, bits):
-    electrons = np.clip(signal_dn, 0, None) * ELECTRONS_PER_DN
+def expose(signal, seed=None, bits=8):
+    """The picture of a signal: shot and read noise if ``seed`` is given, black level, rounding."""
+    electrons = np.clip(signal, 0, None) * ELECTRONS_PER_DN
     if seed is not None:
         rng = np.random.default_rng(seed)
         electrons = rng.poisson(electrons) + rng.normal(0, READ_NOISE_E, electrons.shape)

@@ -26,12 +26,18 @@ class Sweep:
 
     @classmethod
     def drawn(cls, case, first_deg, last_deg, frames):
+        return cls.redrawn(case, first_deg, last_deg, frames, seeds=(case,))[0]
+
+    @classmethod
+    def redrawn(cls, case, first_deg, last_deg, frames, seeds):
+        """The same sweep with several noises."""
         theta = np.linspace(first_deg, last_deg, frames)
         times = (theta - first_deg) / RATE_DEG_S
-        pictures = (toy.render(toy.pose(case, np.deg2rad(angle)), seed=1000 * case + i) for i, angle in enumerate(theta))
-        return cls(
-            case, theta, tuple(observation(i, t, picture) for i, (t, picture) in enumerate(zip(times, pictures, strict=True)))
-        )
+        signals = [toy.signal_dn(toy.pose(case, np.deg2rad(angle))) for angle in theta]
+        return [
+            cls(case, theta, tuple(observation(i, times[i], toy.expose(s, [seed, i])) for i, s in enumerate(signals)))
+            for seed in seeds
+        ]
 
     def truth(self, frame):
         return toy.pose(self.case, np.deg2rad(self.theta_deg[frame]))
