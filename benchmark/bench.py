@@ -73,7 +73,7 @@ def _entries(suite: Suite, case: Case, dataset: Dataset, out: Path, stages: Stag
         for title, method in suite.methods_of(case).items():
             folder = out / _ENTRIES / case.name / feature / title
             with stages(f"{title} on {case.name}, {feature}") as progress:
-                _answer_and_judge(dataset, feature, title, method, suite.prior_sigma_px, folder, progress)
+                _answer_and_judge(dataset, case, feature, title, method, suite.prior_sigma_px, folder, progress)
             yield Entry(
                 case=case.name,
                 feature=feature,
@@ -85,8 +85,8 @@ def _entries(suite: Suite, case: Case, dataset: Dataset, out: Path, stages: Stag
 
 
 def _answer_and_judge(
-    dataset: Dataset, feature: str, title: str, method: Method, sigma_px: float, folder: Path, progress: Progress | None
+    dataset: Dataset, case: Case, feature: str, title: str, method: Method, sigma_px: float, folder: Path, progress: Progress | None
 ) -> None:
     declaration = declare(dataset, feature, sigma_px, grant_aspect=method.aspect)
     answers = run.estimate(method.estimator, method.parameters, dataset, declaration, folder, label=title, progress=progress)
-    judge.write(folder, judge.judge(answers, dataset))
+    judge.write(folder, judge.judge(answers, dataset, case.settle_s))

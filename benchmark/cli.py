@@ -151,13 +151,14 @@ def judge(
     predictions: Annotated[Path, typer.Argument(metavar="PREDICTIONS", help="Folder with predictions.csv and run.json.")],
     dataset: Data,
     out: Out,
+    settle_s: Annotated[float, typer.Option(min=0, help="Seconds at the start that are answered but not judged.")] = 0.0,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
     """Compare answers with the truth: a row a frame, a summary with intervals, failures counted."""
     from benchmark import verbs
 
-    verbs.judge(predictions, dataset, out, Console(quiet))
+    verbs.judge(predictions, dataset, out, settle_s, Console(quiet))
 
 
 @app.command(short_help="a suite: render, estimate, judge, report", epilog=example("hardlight bench zhai2014 --out out/zhai2014"))

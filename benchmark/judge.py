@@ -36,9 +36,10 @@ class Judgement:
     summaries: tuple[Summary, ...]
 
 
-def judge(predictions: Predictions, dataset: Dataset) -> Judgement:
+def judge(predictions: Predictions, dataset: Dataset, settle_s: float = 0.0) -> Judgement:
     """Scores every frame of ``dataset``. A frame without an answer is ``skipped`` and counts as a failure.
 
+    The summary leaves out the first ``settle_s`` seconds, in which a suite lets filters settle; the score rows have all frames.
     Raises ``PredictionsError`` where the answers belong to another data set, or name frames or sensors it does not have.
     """
     refuse_strangers(predictions, dataset)
@@ -47,7 +48,11 @@ def judge(predictions: Predictions, dataset: Dataset) -> Judgement:
     tables, summaries = [], []
     for sensor in dict.fromkeys(predictions.table["sensor"]):
         scores, switches = _track(predictions, dataset, str(sensor), group)
-        fields = figures(scores, swept) | {"label_switches": switches, "symmetry": group, "sensor": sensor}
+        settled = scores[scores["time_s"] >= scores["time_s"].min() + settle_s]
+        if settled.empty:
+            raise PredictionsError(f"the first {settle_s:g} s are not judged, and {dataset.path} has no frame after them")
+        fields = figures(settled, swept) | {"label_switches": switches, "symmetry": group, "sensor": sensor}
+        fields |= {"settle_s": settle_s}
         tables.append(scores)
         summaries.append(Summary.model_validate(fields | _heading(predictions)))
     return Judgement(pd.concat(tables, ignore_index=True), tuple(summaries))

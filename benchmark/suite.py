@@ -25,13 +25,18 @@ class Method(Spec):
 
 
 class Case(Spec):
-    """One data set: a scenario and its frames; which features are asked for and by which methods (none named: all)."""
+    """One data set: a scenario and its frames; which features are asked for and by which methods (none named: all).
+
+    The frames of the first ``settle_s`` seconds are answered but not judged: a filter needs time that a frame-by-frame
+    method does not.
+    """
 
     name: Name
     scenario: Scenario
     description: str = ""
     frames: str = ":"
     seed: Annotated[int, Field(ge=0)] | None = None
+    settle_s: NonNegative = 0.0
     features: Annotated[tuple[str, ...], Field(min_length=1)]
     methods: tuple[str, ...] = ()
 

@@ -111,7 +111,7 @@ def estimate(
     console.say(f"{out}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
 
 
-def judge(answers: Path, path: Path, out: Path, console: Console) -> None:
+def judge(answers: Path, path: Path, out: Path, settle_s: float, console: Console) -> None:
     """Scores the answers in a folder and prints the table."""
     import os
 
@@ -121,7 +121,7 @@ def judge(answers: Path, path: Path, out: Path, console: Console) -> None:
     from scenes.dataset import Dataset
 
     given, dataset = predictions.read(answers), Dataset.open(path)
-    judging.write(out, judging.judge(given, dataset))
+    judging.write(out, judging.judge(given, dataset, settle_s))
     knowledge = given.record.knowledge
     entry = Entry(
         case=path.name,

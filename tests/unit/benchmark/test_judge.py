@@ -232,3 +232,19 @@ def test_a_feature_that_is_turned_on_the_target_still_counts_its_own_labels(
     slip = side.target_from_feature * Rotation.from_euler("x", 90, degrees=True) * side.target_from_feature.inv()
     summary = _summary(dataset, _answers(dataset, lambda frame: slip if frame > 10 else Rotation.identity()))
     assert summary.label_switches == 1
+
+
+def test_frames_within_the_settling_time_have_rows_but_no_say(dataset: Dataset) -> None:
+    start_s = dataset.truth(0).time_s
+    last_s = dataset.truth(dataset.frames[-1]).time_s
+    half_s = (last_s - start_s) / 2
+    early = [frame for frame in dataset.frames if dataset.truth(frame).time_s < start_s + half_s]
+    answers = _answers(dataset, lambda frame: _about_y(4.0 if frame in early else 1.0))
+    judgement = judge(answers, dataset, settle_s=half_s)
+    summary = judgement.summaries[0]
+    assert len(judgement.scores) == 21
+    assert (summary.frames, summary.settle_s) == (21 - len(early), half_s)
+    assert summary.swept is not None
+    assert summary.swept.max_deg == pytest.approx(1.0)
+    with pytest.raises(PredictionsError, match="no frame after them"):
+        judge(answers, dataset, settle_s=last_s - start_s + 1)

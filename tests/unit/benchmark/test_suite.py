@@ -45,7 +45,7 @@ def test_the_papers_suite_is_two_cases_three_regions_two_methods_and_the_glints(
         assert {"mono-rectangle-paper", "mono-rectangle"} <= set(suite.methods_of(cases[name]))
         assert len(cases[f"{name}-glint"].selected) == 41
     dense = cases["in-plane-dense"]
-    assert (dense.selected, dense.features) == (range(120, 220), ("wing",))
+    assert (dense.selected, dense.settle_s, dense.features) == (range(60, 220), 60.0, ("wing",))
     filters = [method.parameters.get("filter", False) for method in suite.methods_of(dense).values()]
     assert sorted(filters) == [False, True]
     printed = {(one.case, one.mean_deg, one.max_deg) for one in suite.published}
