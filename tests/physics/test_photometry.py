@@ -75,6 +75,18 @@ def test_a_spectral_paint_counts_where_the_camera_sees():
     assert _plate_electrons(material=paint, cam=below) == 0.0
 
 
+def test_a_materials_number_is_weighted_with_photons():
+    # ρ rises linearly over the band; per joule instead of per photon the answer would be 7 % less.
+    rising = {"wavelength_nm": (300.0, 1100.0), "value": (0.0, 1.0)}
+    paint = {"type": "paint", "source": "test", "reflectance": rising}
+    nm = np.arange(300.0, 1101.0, 5.0)
+    sun = scenario([box((1, 1, 1))], camera()).lights["sun"].spectral_irradiance_w_m2_nm
+    by_hand = np.sum(sun * nm * (nm - 300) / 800) / np.sum(sun * nm)
+    assert np.sum(sun * (nm - 300) / 800) / np.sum(sun) < 0.95 * by_hand
+    white = _plate_electrons(material=LAMBERT | {"reflectance": 1.0})
+    assert _plate_electrons(material=paint) / white == pytest.approx(by_hand, rel=0.003)
+
+
 @pytest.mark.parametrize(
     ("bits", "gain", "full_well_e", "plateau_dn"),
     [

@@ -67,3 +67,14 @@ def test_frames_and_seeds_differ_in_noise_only():
     for layers in (same[1], other_seed):
         assert not np.array_equal(direct(layers), direct(same[0]))
         assert abs(direct(layers).sum() / direct(same[0]).sum() - 1) < 0.01
+
+
+def test_two_cameras_at_one_place_have_independent_noise():
+    case = _case(quality="fast")
+    twins = Scenario.model_validate(case.model_dump() | {"cameras": {"left": case.cameras["cam"], "right": case.cameras["cam"]}})
+    left, right = (Photographer(twins, name).take(realize(twins, 0, 0)) for name in ("left", "right"))
+    assert np.array_equal(left.layers["part_id"], right.layers["part_id"])
+    assert not np.array_equal(left.layers["direct_diffuse"], right.layers["direct_diffuse"])
+    assert not np.array_equal(left.layers["indirect_raw"], right.layers["indirect_raw"])
+    # Quiet parts are alike: it is the same scene.
+    assert np.corrcoef(left.layers["direct_diffuse"].ravel(), right.layers["direct_diffuse"].ravel())[0, 1] > 0.99
