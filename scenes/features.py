@@ -8,6 +8,7 @@ right, P3 top left, P4 top right.
 from typing import Literal
 
 import numpy as np
+from pydantic import model_validator
 from scipy.spatial.transform import Rotation
 
 from scenes.arrays import Floats, frozen, unit
@@ -31,6 +32,18 @@ class RectangleFeature(Spec):
     width_axis: Vector3 = (0.0, 0.0, 1.0)
     gap: tuple[Fraction, Fraction] | None = None
     free_standing: bool = False
+
+    @model_validator(mode="after")
+    def _axes_span_a_rectangle(self) -> "RectangleFeature":
+        if self.gap is not None and self.gap[0] >= self.gap[1]:
+            raise ValueError(f"gap goes from {self.gap[0]} to {self.gap[1]}; the first must be smaller")
+        e1, e2 = np.array(self.length_axis), np.array(self.width_axis)
+        if not e1.any() or not e2.any():
+            raise ValueError(f"length_axis {self.length_axis} and width_axis {self.width_axis} must not be zero")
+        cosine = float(unit(e1) @ unit(e2))
+        if abs(cosine) > 1e-9:
+            raise ValueError(f"length_axis and width_axis must be perpendicular, their cosine is {cosine:.3g}")
+        return self
 
     @property
     def corners_target(self) -> Floats:

@@ -33,7 +33,7 @@ MATERIAL_REFERENCES = {
 
 
 def _kind_of_target(value: Any) -> str:
-    given = value.get("type", "parts") if isinstance(value, dict) else getattr(value, "type", "parts")
+    given = value.get("type", "assembly") if isinstance(value, dict) else getattr(value, "type", "assembly")
     return str(given)
 
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     AnyTarget = Target
 else:
     AnyTarget = Annotated[
-        Annotated[Target, Tag("parts")] | Annotated[CubeWithWings, Tag("cube-with-wings")],
+        Annotated[Target, Tag("assembly")] | Annotated[CubeWithWings, Tag("cube-with-wings")],
         Discriminator(_kind_of_target),
         AfterValidator(lambda target: target.assembled() if isinstance(target, CubeWithWings) else target),
     ]

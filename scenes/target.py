@@ -33,7 +33,7 @@ class Part(Spec):
 class Target(Spec):
     """A spacecraft as a list of parts. Its frame is the frame of every pose in this project."""
 
-    type: Literal["parts"] = "parts"
+    type: Literal["assembly"] = "assembly"
     description: str = ""
     source: str = ""
     parts: Annotated[tuple[Part, ...], Field(min_length=1, max_length=4096)]
