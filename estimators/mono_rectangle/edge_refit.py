@@ -30,6 +30,7 @@ from scenes.intrinsics import Intrinsics
 _PEAK_ROUNDS, _BALANCE_ROUNDS, _STEP_ROUNDS = 5, 2, 3
 _PEAK_REST_PX, _REST_PX = 0.02, 2e-3
 _MOST_STEP_PX = 1.5
+_RESTLESS_PX = 0.2  # a line that still moves by as much has found nothing to rest on
 _OUTSIDE_PX = (2.5, 1.0)  # where the balance takes the brightness outside: the second only if something stands close
 _INNER_WEIGHT, _OUTER_WEIGHT = 1.54, 1.86  # root of the sum of squares of the balance's pixel weights on each side
 _PLAIN_STEP_PX, _PLAIN_STEP_SIGMAS = 0.25, 3.0  # how far two measures may lie apart on a plain step
@@ -119,20 +120,21 @@ class EdgeRefit:
         return step.with_variance(_MISFIT_VARIANCE_PX2 * max(misfit - _PLAIN_MISFIT, 0.0)) if misfit < _MOST_MISFIT else None
 
     def _rest(self, pixels: NDArray[np.generic], ends: Floats, measure: Measure, rounds: int, rest_px: float) -> _Rest | None:
-        """Moves the line by what ``measure`` says of its stations until it moves no more."""
-        found = None
+        """Moves the line by what ``measure`` says of its stations until it moves no more; half as far when it turns back."""
+        found, step, share = None, np.zeros(2), 1.0
         for _ in range(rounds):
             normal = edge_normals(ends, self.centre_px)
             stations = stations_along(ends, normal, self.intrinsics, self.trim, self.gap)
             line = robust_line(stations.fraction, *measure(pixels, stations)) if len(stations.at) >= 4 else None
             if line is None:
                 return None
-            step = np.clip(line.shift_px, -_MOST_STEP_PX, _MOST_STEP_PX)
+            share = share / 2 if float(line.shift_px @ step) < 0 else share
+            step = share * np.clip(line.shift_px, -_MOST_STEP_PX, _MOST_STEP_PX)
             ends = ends + step[:, None] * normal
             found = _Rest(ends, stations, line)
             if np.abs(step).max() < rest_px:
                 break
-        return found
+        return found if np.abs(step).max() < _RESTLESS_PX else None
 
     def _described(self, pixels: NDArray[np.generic], found: _Rest, polarity: int, *, is_plain: bool) -> EdgeFit:
         inner, outer = sides_of(pixels, found.stations.only(found.line.inliers), self.levels_px)

@@ -31,5 +31,5 @@ def to_balance(pixels: NDArray[np.generic], stations: Stations, outside_px: floa
     typical = float(np.median(step))
     sound = step * np.sign(typical) > 0.3 * abs(typical)
     distance = np.sum(fall * ramp, axis=1) / np.where(sound, step, 1.0)
-    weight = np.where(sound, np.minimum(np.abs(step), 3 * abs(typical)), 0.0)
-    return np.clip(np.where(sound, distance, 0.0), -2, 2), weight
+    near = sound & (np.abs(distance) < full)
+    return np.where(near, distance, 0.0), np.where(near, np.minimum(np.abs(step), 3 * abs(typical)), 0.0)

@@ -45,7 +45,8 @@ def intersections(ends_px: Floats) -> Floats:
 def edge_normals(ends_px: Floats, centre_px: Floats) -> Floats:
     """Unit normals (..., 2) of the lines through ``ends_px`` (..., 2, 2) that point away from ``centre_px`` (2,)."""
     along = ends_px[..., 1, :] - ends_px[..., 0, :]
-    normal = along[..., ::-1] * np.array([1.0, -1.0]) / np.hypot(along[..., 0], along[..., 1])[..., None]
+    length = np.maximum(np.hypot(along[..., 0], along[..., 1]), 1e-9)  # of a point, some normal
+    normal = along[..., ::-1] * np.array([1.0, -1.0]) / length[..., None]
     inward = np.sum(normal * (ends_px[..., 0, :] - centre_px), axis=-1, keepdims=True) < 0
     return np.asarray(np.where(inward, -normal, normal))
 

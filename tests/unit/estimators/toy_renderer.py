@@ -203,11 +203,13 @@ def _accumulate(signal, polygon, value):
 
 
 def expose(signal, seed=None, bits=8):
-    """The picture of a signal: shot and read noise if ``seed`` is given, black level, rounding."""
-    electrons = np.clip(signal, 0, None) * ELECTRONS_PER_DN
+    """The picture of a signal: shot and read noise about the target if ``seed`` is given, black level, rounding."""
+    rows, columns = (slice(max(i.min() - 40, 0), i.max() + 41) for i in np.nonzero(signal > 1e-3))
+    finer = (2**bits - 1) / 255  # of the same full scale
+    picture = np.full(signal.shape, BLACK_DN * finer).astype(np.uint8 if bits == 8 else np.uint16)
+    electrons = np.clip(signal[rows, columns], 0, None) * ELECTRONS_PER_DN
     if seed is not None:
         rng = np.random.default_rng(seed)
         electrons = rng.poisson(electrons) + rng.normal(0, READ_NOISE_E, electrons.shape)
-    finer = (2**bits - 1) / 255  # of the same full scale
-    dn = np.rint((electrons / ELECTRONS_PER_DN + BLACK_DN) * finer)
-    return np.clip(dn, 0, 2**bits - 1).astype(np.uint8 if bits == 8 else np.uint16)
+    picture[rows, columns] = np.clip(np.rint((electrons / ELECTRONS_PER_DN + BLACK_DN) * finer), 0, 2**bits - 1)
+    return picture
