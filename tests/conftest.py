@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -18,7 +19,9 @@ _CACHE = pytest.StashKey[tempfile.TemporaryDirectory]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Before anything is imported: a cache that no earlier run has filled, drawings without a display."""
+    """Before anything is imported: a cache that no earlier run has filled, drawings without a display, a Ctrl-C that works."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a job in the background ignores it, and so would our children
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.setdefault("MPLBACKEND", "Agg")
     if "HARDLIGHT_CACHE" not in os.environ:
         config.stash[_CACHE] = tempfile.TemporaryDirectory(prefix="hardlight-cache-")
