@@ -98,7 +98,7 @@ def test_the_page_is_well_formed_and_self_contained(page: str) -> None:
     parser.feed(page)
     assert parser.open == []
     assert parser.links
-    assert all(link.startswith(("data:image/png;base64,", "#")) for link in parser.links)
+    assert all(link.startswith(("data:image/webp;base64,", "#")) for link in parser.links)
     outside = re.findall(r"https?://(?!www\.w3\.org/)[^\s\"'<]+", page)
     assert outside == []
     assert "@import" not in page
