@@ -33,7 +33,7 @@ def this_machine() -> MachineRecord:
     return MachineRecord(
         processor=_processor_name(),
         cores=os.cpu_count(),
-        system=f"{platform.system()} {platform.release()}",
+        system=f"{platform.system()} {platform.machine()}",
         python=platform.python_version(),
     )
 

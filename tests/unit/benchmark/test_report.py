@@ -171,8 +171,8 @@ def test_the_true_rectangle_lies_on_the_pictures_edges(dataset: Dataset) -> None
     shown = picture(dataset, feature, answer_row, "c")
     assert shown.answer == ""
     assert shown.is_failure
-    png = base64.b64decode(shown.uri.split(",", 1)[1])
-    pixels = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_UNCHANGED)
+    webp = base64.b64decode(shown.uri.split(",", 1)[1])
+    pixels = cv2.imdecode(np.frombuffer(webp, np.uint8), cv2.IMREAD_GRAYSCALE)
     assert pixels.shape == (shown.height, shown.width)
     inside = np.zeros(pixels.shape, np.uint8)
     corners = np.round((_drawn(shown.truth) - 0.5) * 256).astype(np.int32)

@@ -1,4 +1,4 @@
-"""Draws docs/first-light.png: what a camera sees of two frames, and what only the renderer knows. Run it from the checkout."""
+"""Draws results/pictures/first-light.png: what a camera sees of two frames, and what only the renderer knows. Run it from the checkout."""
 
 from pathlib import Path
 from typing import Any
