@@ -1,4 +1,4 @@
-"""``mono-rectangle-paper``: the method as printed, with the property that mono.md § 4 found."""
+"""``mono-rectangle-paper``: the method as printed, with the property that it answers 0 on the face."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def test_the_face_is_said_to_be_fronto_parallel_in_most_frames(in_plane, out_of_
 
 
 def test_the_longer_the_rectangle_the_better(in_plane):
-    """Case 1: span 3°, wing 7-8°, face 25° (mono.md § 4, pipeline A)."""
+    """Case 1: span 3°, wing 7-8°, face 25°."""
     span, wing, face = (in_plane.run(PaperRectangle(), region).sigma_deg for region in ("span", "wing", "face"))
     assert 2 < span < 4.5 < wing < 12 < face
     assert in_plane.run(PaperRectangle(), "span").ok.all()

@@ -16,7 +16,7 @@ from estimators.mono_rectangle.paper import PaperRectangle
 from estimators.mono_rectangle.tracked import TrackedRectangle
 from scenes.recording import CornerPrior, Knowledge, Observation, Rectangle, SensorModel
 
-ACCEPTANCE = [  # sweep, region, least answered, sigma, maximum (deg): mono.md § 6, number 9; out of plane, what holds
+ACCEPTANCE = [  # sweep, region, least answered, sigma, maximum (deg); out of plane, what holds
     ("in_plane", "span", 41, 0.20, 0.5),
     ("in_plane", "wing", 39, 0.40, 1.1),
     ("in_plane", "face", 36, 1.5, 4.0),
@@ -75,7 +75,7 @@ def test_acquisition_from_clicked_corners(in_plane, region, first, seed):
 
 
 def test_the_filter_lowers_the_wings_scatter_fourfold(dense):
-    """At 1 Hz, pooled over three noises, after 60 s as in mono.md § 5. (The end of a line through n frames has 2/√n of one
+    """At 1 Hz, pooled over three noises, after 60 s. (The end of a line through n frames has 2/√n of one
     frame's sigma: no filter that has to learn the rate reaches a quarter before the 64th; 1/6 is measured.)"""
     raw, filtered, apart = [], [], []
     for seed, sweep in enumerate(dense):

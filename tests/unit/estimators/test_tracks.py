@@ -49,7 +49,7 @@ def test_a_line_through_exact_rotations_is_exact():
 
 
 def test_white_noise_falls_six_to_nine_fold():
-    """mono.md § 6 number 11: the wing at 1 Hz, q = 1e-8 deg²/s³, after 60 s."""
+    """The wing at 1 Hz, q = 1e-8 deg²/s³, after 60 s."""
     raw, kept = [], []
     for seed in range(6):
         true, measured = samples(600, np.deg2rad(0.8), seed)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from scenes.motion import CHASER_FROM_PAPER, AxisSweep, RandomViews, Spin
 
-# mono.md 1.1: P_paper = M P_cv.
+# The paper's camera axes from ours, P_paper = M P_cv: X backward, Y right, Z up.
 M = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
