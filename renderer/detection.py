@@ -79,8 +79,10 @@ def _charge(
     photo = electrons * pattern.gain[window.slices] if detector.prnu else electrons
     shape = (camera.height_px, camera.width_px)
     if detector.shot_noise:
-        charge = _dark_charge(shape, dark, rng)
-        charge[window.slices] = rng.poisson(np.maximum(photo, 0) + dark)
+        charge = _dark_charge(shape, min(dark, 2 * detector.full_well_e + 100), rng)
+        # Beyond the well's capacity all draws end at it; far beyond, there is no Poisson generator.
+        most = detector.full_well_e + 10 * np.sqrt(detector.full_well_e) + 100
+        charge[window.slices] = rng.poisson(np.clip(photo + dark, 0, most))
     else:
         charge = np.full(shape, dark, dtype=np.float32)
         charge[window.slices] = photo + np.float32(dark)

@@ -13,10 +13,11 @@ from renderer.masks import Light
 from renderer.photograph import Photographer
 from renderer.quality import PRESETS
 from renderer.variant import Backend, activate, probe
+from renderer.window import refuse_fast_spin
 from scenes.dataset_frame import FrameRecord
 from scenes.dataset_manifest import Manifest, calibration
 from scenes.dataset_writer import DatasetWriter
-from scenes.errors import HardlightError
+from scenes.errors import HardlightError, UsageError
 from scenes.scenario import Quality, Scenario, Scene, realize
 
 Progress = Callable[[int, int], None]
@@ -40,6 +41,9 @@ def generate(
     """
     scenario = _settled(scenario, seed, quality)
     selected = frames if frames is not None else range(scenario.frame_count)
+    if not selected or min(selected) < 0 or max(selected) >= scenario.frame_count:
+        raise UsageError(f"frames {selected}: the scenario has frames 0 to {scenario.frame_count - 1}")
+    refuse_fast_spin(scenario)
     writer = DatasetWriter.open(out, manifest_of(scenario, selected, probe()), resume=resume)
     missing = writer.missing()
     report = progress or (lambda _done, _total: None)

@@ -10,7 +10,9 @@ from typing import Any
 import drjit as dr
 
 from renderer.integrator import direct_layers, indirect_layer
-from renderer.sensor import camera_ray, stratified
+from renderer.sensor import camera_ray, stratified, turned
+
+_NUDGE_PX = (1.1e-3, 0.7e-3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +39,8 @@ def direct_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, 
     hit, facing, unblocked = mi.Float(0), mi.Float(0), mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.direct_samples, exclude=[plan]):
-        ray = _sample_ray(mi, frame, pixel_index, sample, rng, plan.direct_samples, first_stratum, plan)
-        layers = direct_layers(mi, scene, ray, frame["sun"], rng, with_glints=plan.with_glints)
+        ray, sun = _sampled(mi, frame, pixel_index, sample, rng, plan.direct_samples, first_stratum, plan)
+        layers = direct_layers(mi, scene, ray, sun, rng, with_glints=plan.with_glints)
         diffuse += layers["diffuse"]
         specular += layers["specular"]
         hit += layers["hit"]
@@ -56,27 +58,39 @@ def indirect_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any
     indirect = mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.indirect_samples, exclude=[plan]):
-        ray = _sample_ray(mi, frame, pixel_index, sample, rng, plan.indirect_samples, first_stratum, plan)
-        indirect += indirect_layer(mi, scene, ray, frame["sun"], rng, max_scatterings=plan.max_scatterings)
+        ray, sun = _sampled(mi, frame, pixel_index, sample, rng, plan.indirect_samples, first_stratum, plan)
+        indirect += indirect_layer(mi, scene, ray, sun, rng, max_scatterings=plan.max_scatterings)
         sample += 1
     return {"indirect": indirect}
 
 
 def geometry_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, plan: KernelPlan) -> dict[str, Any]:
     """Through each pixel's centre at mid-exposure: z-depth (0 = nothing), normal in camera axes, shape index."""
-    ray, cos_axis = camera_ray(mi, dr, frame, _pixel(mi, frame, pixel_index, plan), mi.Float(0), distorted=plan.distorted)
+    centre = _pixel(mi, frame, pixel_index, plan)
+    ray, cos_axis = camera_ray(mi, dr, frame, centre, mi.Float(0), distorted=plan.distorted)
     si = scene.ray_intersect(ray)
-    hit = si.is_valid()
-    normal = frame["rotation"].T @ mi.Vector3f(si.n)
+    front = si.is_valid() & (dr.dot(si.n, ray.d) < 0)
+    # A ray that meets an edge between two triangles exactly can slip through, into the void or onto an inside;
+    # one a thousandth of a pixel beside it cannot.
+    beside, _ = camera_ray(mi, dr, frame, centre + mi.Vector2f(*_NUDGE_PX), mi.Float(0), distorted=plan.distorted)
+    again = scene.ray_intersect(beside, front ^ True)
+    first = front | (again.is_valid() ^ True)
+    hit = si.is_valid() | again.is_valid()
+    normal = frame["rotation"].T @ mi.Vector3f(_either(first, si.n, again.n))
     normal = dr.select(hit, normal, mi.Vector3f(0))
     return {
-        "z_m": dr.select(hit, si.t * cos_axis, 0.0),
+        "z_m": dr.select(hit, _either(first, si.t, again.t) * cos_axis, 0.0),
         "normal.x": normal.x,
         "normal.y": normal.y,
         "normal.z": normal.z,
-        "shape": si.shape,
+        "shape": _either(first, si.shape, again.shape),
         "hit": hit,
     }
+
+
+def _either(mask: Any, one: Any, other: Any) -> Any:
+    """``one`` where ``mask`` holds, else ``other``; also for what is no number in scalar variants."""
+    return (one if mask else other) if isinstance(mask, bool) else dr.select(mask, one, other)
 
 
 def _pixel(mi: Any, frame: dict[str, Any], pixel_index: Any, plan: KernelPlan) -> Any:
@@ -89,19 +103,20 @@ def _first_stratum(mi: Any, rng: Any, samples: int, plan: KernelPlan) -> Any:
     return mi.UInt32(rng.next_float32() * samples) if plan.moving else mi.UInt32(0)
 
 
-def _sample_ray(
+def _sampled(
     mi: Any, frame: dict[str, Any], pixel_index: Any, sample: Any, rng: Any, samples: int, first_stratum: Any, plan: KernelPlan
-) -> Any:
-    """A ray of one sample, spread over the pixel's area (box filter) and over the time that the shutter is open."""
+) -> tuple[Any, dict[str, Any]]:
+    """A ray of one sample, spread over the pixel's area (box filter) and the exposure, and the sun at the ray's instant."""
     jitter = mi.Point2f(rng.next_float32(), rng.next_float32())
     place = stratified(mi, sample, samples, jitter) if plan.stratified else jitter
     pixel = _pixel(mi, frame, pixel_index, plan) + mi.Vector2f(place.x - 0.5, place.y - 0.5)
-    tau = mi.Float(0)
+    tau, sun = mi.Float(0), frame["sun"]
     if plan.moving:
         stratum = (sample * 37 + first_stratum) % samples  # 37: coprime to every sample count in use
         tau = (mi.Float(stratum) + rng.next_float32()) / samples - 0.5
+        sun = sun | {"direction": dr.normalize(turned(mi, dr, sun["direction"], sun["turn"] * tau))}
     ray, _ = camera_ray(mi, dr, frame, pixel, tau, distorted=plan.distorted)
-    return ray
+    return ray, sun
 
 
 def _generator(mi: Any, seed: Any, pixel_index: Any) -> Any:

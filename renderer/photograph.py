@@ -12,8 +12,8 @@ from renderer.masks import fractions, light_mask
 from renderer.optics import blurred
 from renderer.quality import PRESETS
 from renderer.sensor import Shutter, exposure_instants_s, longest_exposure_s
-from renderer.session import Session, View
-from renderer.window import place_window, survey, target_extent
+from renderer.session import Layers, Session, View
+from renderer.window import inside, place_window, survey, target_extent
 from scenes.camera import Camera
 from scenes.dataset_frame import pose_columns
 from scenes.detector import AutoExposure
@@ -59,28 +59,28 @@ class Photographer:
         """Expose, detect, annotate."""
         rule = self._camera.exposure
         view = self._view(scene, 0.0 if isinstance(rule, AutoExposure) else rule.time_s)
-        geometry = self.session.geometry(view)
-        on_target = geometry["part_id"] > 0
-        light = self.session.radiance(view)
-        rate = self._electron_rate(light)
-        exposure_s = exposure_time_s(self._camera, rate, on_target)
+        window = inside(view.window, self._camera)
+        geometry = _cut(self.session.geometry(view), view.window, window)
+        light, rate = self._exposed(view, window)
+        exposure_s = exposure_time_s(self._camera, rate, _on_target(geometry, light))
         if isinstance(rule, AutoExposure) and self._survey.moves:  # blur belongs to the exposure that was chosen
-            light = self.session.radiance(view := self._view(scene, exposure_s))
-            rate = self._electron_rate(light)
+            light, rate = self._exposed(view := self._view(scene, exposure_s), window)
         electrons = rate * np.float32(exposure_s)
         rng = stream(self._scenario.seed, scene.frame, f"{self._name}.detector")
-        pixels = detect(electrons, view.window, self._camera, exposure_s, self._pattern, rng)
+        pixels = detect(electrons, window, self._camera, exposure_s, self._pattern, rng)
         full = electrons >= self._camera.detector.full_well_e
-        saturated = full | (pixels[view.window.slices] >= self._camera.detector.white_dn)
+        saturated = full | (pixels[window.slices] >= self._camera.detector.white_dn)
         mask = light_mask(light, geometry["part_id"], saturated)
         kept = {name: layer for name, layer in light.items() if name != "facing"}
         truth = self._truth(scene, view) | fractions(mask) | {"exposure_s": exposure_s}
-        return Photograph(pixels, view.window, {**kept, **geometry, "mask": mask}, truth, exposure_s)
+        return Photograph(pixels, window, {**kept, **geometry, "mask": mask}, truth, exposure_s)
 
-    def _electron_rate(self, light: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
+    def _exposed(self, view: View, window: Window) -> tuple[Layers, NDArray[np.float32]]:
+        """Light layers and mean electrons/s in ``window``; what stands beside the picture is blurred in before it is cut off."""
+        light = self.session.radiance(view)
         total = light["direct_diffuse"] + light["direct_specular"] + light["indirect"]
-        rate = total * np.float32(self.session.photometry.electrons_per_radiance)
-        return blurred(rate, self._camera.detector.psf_sigma_px)
+        rate = blurred(total * np.float32(self.session.photometry.electrons_per_radiance), self._camera.detector.psf_sigma_px)
+        return _cut(light, view.window, window), _cut({"rate": rate}, view.window, window)["rate"]
 
     def _view(self, scene: Scene, exposure_s: float) -> View:
         """The window goes by the longest exposure, so that it does not move with the one that is chosen."""
@@ -101,7 +101,7 @@ class Photographer:
         light_cam = cam_from_chaser.apply(np.array(scene.lights[0].direction_chaser))  # SciPy wants a writable array
         position = cam_from_target.translation
         range_m = float(np.linalg.norm(position))
-        phase = np.arccos(np.clip(-light_cam @ position / range_m, -1, 1))
+        phase = np.arccos(np.clip(-light_cam @ position / range_m, -1, 1)) if range_m > 0 else np.nan
         omega = dict(zip(("omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s"), scene.omega_target_rad_s))
         light = dict(zip(("light_x", "light_y", "light_z"), (float(value) for value in light_cam)))
         visible = self._visible_fraction(cam_from_target)
@@ -110,3 +110,15 @@ class Photographer:
 
     def _visible_fraction(self, cam_from_target: RigidTransform) -> float:
         return self.session.visible_fraction(cam_from_target, self._points, self._camera.intrinsics)
+
+
+def _cut(layers: Layers, rendered: Window, kept: Window) -> Layers:
+    """Window arrays of ``rendered`` cut down to ``kept``."""
+    rows, columns = Window(kept.x_px - rendered.x_px, kept.y_px - rendered.y_px, kept.width_px, kept.height_px).slices
+    return {name: np.ascontiguousarray(layer[rows, columns]) for name, layer in layers.items()}
+
+
+def _on_target(geometry: Layers, light: Layers) -> NDArray[np.bool_]:
+    """Pixels whose centre lies on the target; of a target smaller than that, those that hold any of it."""
+    centres = geometry["part_id"] > 0
+    return np.asarray(centres if centres.any() else light["coverage"] > 0)

@@ -118,7 +118,13 @@ class Session:
             "window_y": float(view.window.y_px),
             "direct_seed": _seed32(view, "direct"),
             "indirect_seed": _seed32(view, "indirect"),
-            "sun": sun_constants(light.direction_target, light.half_angle_rad, band_irradiance(light.spectral_irradiance_w_m2_nm)),
+            "sun": sun_constants(
+                light.direction_target,
+                # A sun that stands still before the chaser turns about the target as the camera does.
+                view.shutter.turn_rad if light.fixed_to == "chaser" else np.zeros(3),
+                light.half_angle_rad,
+                band_irradiance(light.spectral_irradiance_w_m2_nm),
+            ),
         }
 
 

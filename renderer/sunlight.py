@@ -9,14 +9,14 @@ from typing import Any
 from scenes.arrays import Floats
 
 
-def sun_constants(direction_target: Floats, half_angle_rad: float, irradiance_w_m2: float) -> dict[str, Any]:
-    """The sun as plain numbers for the kernel.
+def sun_constants(direction_target: Floats, turn_rad: Floats, half_angle_rad: float, irradiance_w_m2: float) -> dict[str, Any]:
+    """The sun as plain numbers for the kernel. ``turn_rad``: how far its direction turns within an exposure, target frame.
 
     ``versine`` = 1 − cos α = 2 sin²(α/2) stands for the half-angle α: it is small (1e-5 at 1 au, 1e-8 at 30 au), and the
     cosine itself has only a few float32 steps, then none, left below one.
     """
     versine = 2 * math.sin(half_angle_rad / 2) ** 2
-    return {"direction": direction_target, "versine": versine, "irradiance": irradiance_w_m2}
+    return {"direction": direction_target, "turn": turn_rad, "versine": versine, "irradiance": irradiance_w_m2}
 
 
 def sample_sun(mi: Any, dr: Any, sun: dict[str, Any], u: Any) -> Any:

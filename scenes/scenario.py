@@ -65,9 +65,13 @@ class Scenario(Spec):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneLight:
-    """A light of one instant: unit vector to it in both frames, disk half-angle, irradiance on ``BAND_NM`` at the target."""
+    """A light of one instant: unit vector to it in both frames, disk half-angle, irradiance on ``BAND_NM`` at the target.
+
+    ``fixed_to`` says in which of the two frames the direction stays while the shutter is open.
+    """
 
     name: str
+    fixed_to: Literal["chaser", "target"]
     direction_chaser: Floats
     direction_target: Floats
     half_angle_rad: float
@@ -115,6 +119,7 @@ def _light(name: str, light: Light, chaser_from_target: Rotation, seed: int, fra
     in_chaser = towards if light.frame == "chaser" else chaser_from_target.apply(towards)
     return SceneLight(
         name=name,
+        fixed_to=light.frame,
         direction_chaser=frozen(in_chaser),
         direction_target=frozen(chaser_from_target.inv().apply(in_chaser)),
         half_angle_rad=float(np.arcsin(np.sin(np.radians(light.half_angle_deg)) / distance_au)),

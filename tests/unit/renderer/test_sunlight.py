@@ -22,7 +22,7 @@ def variant() -> None:
 def _sun(half_angle: float) -> dict:
     import mitsuba as mi
 
-    return _device_constants(mi, sun_constants(DIRECTION, half_angle, 1000.0))
+    return _device_constants(mi, sun_constants(DIRECTION, np.zeros(3), half_angle, 1000.0))
 
 
 def _samples(half_angle: float, count: int = 200_000) -> Floats:

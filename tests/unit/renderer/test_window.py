@@ -1,10 +1,13 @@
 import numpy as np
 import pytest
 
-from renderer.window import margin_px, outline_px, place_window, survey, target_extent
+from renderer.window import inside, margin_px, outline_px, place_window, refuse_fast_spin, survey, target_extent
 from scenes.camera import Camera
+from scenes.errors import UsageError
 from scenes.scenario import Scenario
 from scenes.solids import bounding_points
+
+BORDER_PX = 3  # five sigmas of the camera below
 
 
 def _camera(**changes) -> Camera:
@@ -28,12 +31,16 @@ def _scenario(motion: dict, frames: int = 4, **camera) -> Scenario:
 
 
 @pytest.mark.parametrize("extent", [(0, 0, 0, 0), (639, 479, 639, 479), (100.2, 50.7, 180.9, 90.1), (0, 0, 639, 479)])
-def test_a_window_stays_in_the_picture_and_holds_what_it_can(extent: tuple[float, ...]):
+def test_a_window_stays_within_reach_of_the_picture_and_holds_what_it_can(extent: tuple[float, ...]):
     window = place_window(np.array(extent), (96, 64), _camera())
-    assert window.x_px >= 0
-    assert window.y_px >= 0
-    assert window.x_px + 96 <= 640
-    assert window.y_px + 64 <= 480
+    assert min(window.x_px, window.y_px) >= -BORDER_PX
+    assert window.x_px + 96 <= 640 + BORDER_PX
+    assert window.y_px + 64 <= 480 + BORDER_PX
+    part = inside(window, _camera())
+    assert min(part.x_px, part.y_px) >= 0
+    assert part.x_px + part.width_px <= 640
+    assert part.y_px + part.height_px <= 480
+    assert (part.x_px + part.width_px, part.y_px + part.height_px) > (window.x_px, window.y_px)
     if extent[2] - extent[0] < 90:
         assert window.x_px <= extent[0]
         assert window.x_px + 95 >= extent[2]
@@ -60,7 +67,7 @@ def test_corners_alone_would_not_enclose_what_a_barrel_bends_outwards():
 
 
 def test_a_target_beside_or_behind_the_camera_fills_the_picture():
-    whole = [0, 0, 639, 479]
+    whole = [-BORDER_PX, -BORDER_PX, 639 + BORDER_PX, 479 + BORDER_PX]
     points = np.array([[0.0, 0.0, 5.0], [1.0, 0.0, -1.0]])
     assert target_extent(_camera(), points).tolist() == whole
     folding = _camera(distortion=(-0.2, 0.0, 0.0, 0.0, 0.0), focal_length_m=0.004)
@@ -112,3 +119,16 @@ def test_a_mount_turns_what_the_camera_sees():
     case = _scenario(aside, 1, **mount)
     ahead = _scenario({"type": "spin", "position_m": (0.0, 0.0, 12.0), "rotation_vector_deg": (0.0, -90.0, 0.0)}, 1)
     assert survey(case, case.cameras["cam"]) == survey(ahead, ahead.cameras["cam"])
+
+
+def test_a_spin_that_the_blur_cannot_follow_is_refused_with_both_angles():
+    motion = {"type": "spin", "position_m": (0.0, 0.0, 12.0), "omega_target_deg_s": (0, 0, 360)}
+    refuse_fast_spin(_scenario(motion, exposure={"type": "fixed", "time_s": 0.1}))
+    with pytest.raises(UsageError, match=r"cameras\.cam\.exposure: the target turns by 360 deg .* of 1 s, at most 57 deg"):
+        refuse_fast_spin(_scenario(motion, exposure={"type": "fixed", "time_s": 1.0}))
+
+
+def test_a_whole_turn_within_the_exposure_is_motion_although_it_ends_where_it_began():
+    motion = {"type": "spin", "position_m": (0.0, 0.0, 12.0), "omega_target_deg_s": (0, 0, 360)}
+    case = _scenario(motion, exposure={"type": "fixed", "time_s": 1.0})
+    assert survey(case, case.cameras["cam"]).moves
