@@ -143,7 +143,7 @@ def estimate(
     """Let a method answer every frame of a data set; it sees pictures and its declared knowledge, nothing else."""
     from benchmark import verbs
 
-    verbs.estimate(method, dataset, out, feature, prior_sigma_px, overrides or [], Console(quiet))
+    raise typer.Exit(verbs.estimate(method, dataset, out, feature, prior_sigma_px, overrides or [], Console(quiet)))
 
 
 @app.command(short_help="answers against the truth", epilog=example("hardlight judge answers/wing data/in-plane --out scores/wing"))

@@ -7,12 +7,14 @@ Gaussian noise, from a stream of the data set's seed and the feature's name, so 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import RigidTransform
 
 from benchmark.records import CornerPriorRecord, KnowledgeRecord
 from scenes.arrays import Floats, frozen
 from scenes.dataset import Dataset
 from scenes.errors import UsageError, unknown
 from scenes.features import RectangleFeature
+from scenes.intrinsics import Intrinsics
 from scenes.provenance import stream
 from scenes.recording import CornerPrior, Knowledge, Rectangle
 
@@ -37,7 +39,8 @@ def declare(
     """Calibration of every sensor, the feature ``feature_name``, and its corner pixels in ``frame`` (default: the first).
 
     ``grant_aspect`` adds the rectangle's L/W. A data set whose target has one feature needs no name. Raises ``UsageError``
-    for an unknown feature or one that the first frame does not show.
+    for an unknown feature, or one whose four corners nobody could click in that frame: behind the camera, outside the picture,
+    or on a side that is turned away.
     """
     if not 0 <= sigma_px < np.inf:
         raise UsageError(f"the corner prior's sigma is {sigma_px} px; it must be a finite number, at least 0")
@@ -75,7 +78,27 @@ def _feature(dataset: Dataset, name: str | None) -> RectangleFeature | None:
 def _clicked_corners(dataset: Dataset, feature: RectangleFeature, sensor: str, frame: int, sigma_px: float) -> Floats:
     cam_from_target = dataset.truth(frame).sensor_from_target[sensor]
     corners = dataset.sensors[sensor].intrinsics.project(cam_from_target.apply(feature.corners_target))
-    if np.isnan(corners).any():
-        raise UsageError(f"feature {feature.name!r} is not in front of {sensor!r} in frame {frame}; begin with another frame")
+    fault = _why_unseen(feature, cam_from_target, corners, dataset.sensors[sensor].intrinsics)
+    if fault:
+        raise UsageError(
+            f"feature {feature.name!r} {fault} {sensor!r} in frame {frame}, so its corners cannot be clicked there; "
+            "begin with another frame or choose another feature"
+        )
     clicks = stream(dataset.manifest.seed, frame, f"knowledge.corner_prior.{feature.name}")
     return np.asarray(corners + clicks.normal(scale=sigma_px, size=corners.shape)) if sigma_px > 0 else corners
+
+
+def _why_unseen(feature: RectangleFeature, cam_from_target: RigidTransform, corners_px: Floats, lens: Intrinsics) -> str:
+    """Why the camera does not see all four corners, ending in front of the sensor's name; empty if it does.
+
+    Seen is judged by the geometry of the rectangle alone: whether another part hides a corner is not asked.
+    """
+    if np.isnan(corners_px).any():
+        return "is not in front of"
+    normal_cam = cam_from_target.rotation.apply(feature.target_from_feature.apply([1.0, 0.0, 0.0]))
+    if normal_cam @ cam_from_target.apply(np.asarray(feature.centre_m)) >= 0:
+        return "faces away from"
+    beyond_px = np.array([lens.width_px, lens.height_px]) - 0.5  # integers are pixel centres
+    if ((corners_px < -0.5) | (corners_px > beyond_px)).any():
+        return "is not wholly in the picture of"
+    return ""

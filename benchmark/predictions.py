@@ -73,6 +73,8 @@ def read_record(folder: Path) -> RunRecord:
 def parse(text: str, name: str) -> pd.DataFrame:
     """The table in the CSV ``text``; ``name`` stands in the sentences. Quaternions come out normalised."""
     rows = list(csv.reader(io.StringIO(text)))
+    while rows and not "".join(rows[-1]).strip() and len(rows[-1]) <= 1:  # blank lines at the end
+        rows.pop()
     _check_header(rows[0] if rows else [], name)
     seen: dict[tuple[int, str], int] = {}
     records: list[dict[str, Any]] = []
@@ -152,7 +154,7 @@ def _normalised(table: pd.DataFrame) -> pd.DataFrame:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")  # a spreadsheet begins its UTF-8 with a byte-order mark
     except FileNotFoundError:
         raise PredictionsError(f"{path} does not exist") from None
     except UnicodeDecodeError as error:

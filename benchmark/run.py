@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,9 @@ from estimators import registry
 from estimators.api import Estimate, Estimator, Outcome
 from scenes.dataset import Dataset
 from scenes.recording import Knowledge, Observation
+
+_IN_START = "start: "
+_TAKEN = ("frame", "sensor", "reason")  # columns of extras.parquet that are not the method's
 
 
 def estimate(
@@ -57,7 +61,10 @@ def estimate(
 def answer(
     estimator: Estimator, dataset: Dataset, knowledge: Knowledge, record: RunRecord, progress: Progress | None = None
 ) -> Predictions:
-    """The loop itself: start once, then one step a frame. An exception is the outcome ``crashed`` with its text."""
+    """The loop itself: start once, then one step a frame. An exception is the outcome ``crashed`` with its text.
+
+    So is an attempt to end the process (sys.exit); Ctrl-C is the user's and goes through.
+    """
     sensor, opening = next(iter(knowledge.sensors)), Stopwatch()
     broken = _start(estimator, knowledge, opening)
     rows, extras = [], []
@@ -65,11 +72,25 @@ def answer(
         watch = Stopwatch()
         result = _crashed(sensor, broken) if broken else _step(estimator, dataset.observation(frame), knowledge, sensor, watch)
         rows.append(_row(frame, result, watch))
-        extras.append({"frame": frame, "sensor": result.sensor, "reason": result.reason, **result.extras})
+        named = {name: float(value) for name, value in result.extras.items()}
+        extras.append({"frame": frame, "sensor": result.sensor, "reason": result.reason, **named})
         if progress is not None:
             progress(done, len(dataset.frames))
     timed = record.model_copy(update={"start_cpu_s": opening.cpu_s, "start_wall_s": opening.wall_s})
     return Predictions(timed, pd.DataFrame(rows, columns=list(COLUMNS)), pd.DataFrame(extras))
+
+
+def could_not_start(answers: Predictions) -> bool:
+    """Whether ``start`` itself failed, so that no frame was ever asked."""
+    reasons = reasons_of_failure(answers)
+    return bool(reasons) and all(reason.startswith(_IN_START) for reason in reasons)
+
+
+def reasons_of_failure(answers: Predictions) -> list[str]:
+    """The distinct reasons, in the order in which they came, where every frame failed; none where one was answered."""
+    if answers.extras is None or (answers.table["outcome"] == Outcome.OK.value).any():
+        return []
+    return [reason for reason in answers.extras["reason"].unique().tolist() if reason]
 
 
 def _start(estimator: Estimator, knowledge: Knowledge, watch: Stopwatch) -> str:
@@ -77,8 +98,8 @@ def _start(estimator: Estimator, knowledge: Knowledge, watch: Stopwatch) -> str:
     try:
         with watch.running():
             estimator.start(knowledge)
-    except Exception as error:
-        return f"start: {type(error).__name__}: {error}"
+    except (Exception, SystemExit) as error:
+        return f"{_IN_START}{type(error).__name__}: {error}"
     return ""
 
 
@@ -86,7 +107,7 @@ def _step(estimator: Estimator, observation: Observation, knowledge: Knowledge, 
     try:
         with watch.running():
             result = estimator.step(observation)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return _crashed(sensor, f"{type(error).__name__}: {error}")
     return _checked(result, knowledge, sensor)
 
@@ -101,7 +122,30 @@ def _checked(result: object, knowledge: Knowledge, sensor: str) -> Estimate:
     position = [] if result.translation_m is None else np.asarray(result.translation_m).ravel().tolist()
     if len(pose) not in (0, 4) or len(position) not in (0, 3) or not all(math.isfinite(x) for x in pose + position):
         return _crashed(sensor, "step answered with a pose that is not one finite rotation and position")
-    return result
+    fault = _fault_of_extras(result.extras)
+    return _crashed(sensor, f"step answered with {fault}") if fault else result
+
+
+def _fault_of_extras(extras: object) -> str:
+    """What is wrong with a method's extras, empty if they are named numbers under names of their own."""
+    if not isinstance(extras, Mapping):
+        return f"extras that are a {type(extras).__name__}, not named numbers"
+    for name, value in extras.items():
+        if not isinstance(name, str) or name in _TAKEN:
+            return f"the extra {name!r}; a name is a text other than {', '.join(_TAKEN)}"
+        if not _is_number(value):
+            return f"the extra {name!r} = {value!r}, which is not a number"
+    return ""
+
+
+def _is_number(value: object) -> bool:
+    if not isinstance(value, Real | np.bool_):
+        return False
+    try:
+        float(value)
+    except (OverflowError, ValueError):  # a whole number of more than 308 digits
+        return False
+    return True
 
 
 def _crashed(sensor: str, reason: str) -> Estimate:

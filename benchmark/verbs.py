@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from benchmark.results import Results
     from scenes.scenario import Quality
 
+REASONS_SHOWN = 3
+
 
 def doctor(console: Console) -> int:
     """Prints the findings; 1 if something is missing without which rendering or judging fails."""
@@ -97,8 +99,8 @@ def _rendered_again(path: Path, sample: int, console: Console) -> list[str]:
 
 def estimate(
     method: str, path: Path, out: Path, feature: str | None, sigma_px: float, overrides: list[str], console: Console
-) -> None:
-    """Runs one method over a data set."""
+) -> int:
+    """Runs one method over a data set and, where every frame failed, says why; 1 if the method could not even start."""
     from benchmark import run
     from benchmark.knowledge import declare
     from scenes.dataset import Dataset
@@ -109,6 +111,12 @@ def estimate(
         answers = run.estimate(method, _parameters(overrides), dataset, declaration, out, progress=progress)
     counts = answers.table["outcome"].value_counts()
     console.say(f"{out}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
+    reasons = run.reasons_of_failure(answers)
+    for reason in reasons[:REASONS_SHOWN]:
+        console.say("  " + " ".join(reason.split()))
+    if len(reasons) > REASONS_SHOWN:
+        console.say(f"  and {len(reasons) - REASONS_SHOWN} more reasons, see extras.parquet")
+    return FAULT_FOUND if run.could_not_start(answers) else 0
 
 
 def judge(answers: Path, path: Path, out: Path, settle_s: float, console: Console) -> None:

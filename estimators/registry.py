@@ -1,12 +1,14 @@
 """Methods by name. They are found through the entry-point group ``hardlight.estimators``, ours and anybody else's alike.
 
 Listing imports none of them, so that a method with heavy dependencies, or a broken one, costs nothing until it is chosen.
-A method that is not installed is named by ``package.module:Class``.
+A method that is not installed is named by ``package.module:Class`` and may lie in the working directory.
 """
 
+import sys
 from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 
 from estimators.api import Estimator
 from scenes.errors import UsageError, unknown
@@ -39,6 +41,8 @@ def _factory(name: str) -> Callable[..., object]:
     installed = _installed()
     if name not in installed and ":" not in name:
         raise UsageError(unknown("method", name, installed))
+    if name not in installed:
+        _search_working_directory()
     module, _, attribute = (installed[name].value if name in installed else name).partition(":")
     try:
         found: object = import_module(module)
@@ -51,6 +55,16 @@ def _factory(name: str) -> Callable[..., object]:
     if not callable(found):
         raise UsageError(f"method {name!r}: {attribute!r} of module {module!r} is not a class")
     return found
+
+
+def _search_working_directory() -> None:
+    """Lets a module in the working directory be imported, which a console script does not do by itself.
+
+    It is searched last, so that a file of the user's that happens to be called like a package of ours shadows nothing.
+    """
+    here = str(Path.cwd())
+    if here not in sys.path and "" not in sys.path:
+        sys.path.append(here)
 
 
 def _built(name: str, factory: Callable[..., object], parameters: dict[str, object]) -> object:

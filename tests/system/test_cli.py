@@ -124,6 +124,37 @@ def test_estimate_judge_report(tiny_dataset: Path, tmp_path: Path, hardlight: Ca
     assert str((scores / "report.html").resolve()) in ended.out
 
 
+MINE = """
+from estimators.api import Estimate, Outcome
+
+class Mine:
+    def start(self, knowledge): ...
+    def step(self, observation):
+        return Estimate("nav", Outcome.NO_FEATURES, reason=f"nothing in\\n{observation.frame}")
+
+class Unlicensed(Mine):
+    def start(self, knowledge):
+        raise SystemExit("no licence")
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "status", "said"),
+    [
+        ("Mine", 0, "6 no_features\n  nothing in 0\n  nothing in 1\n  nothing in 2\n  and 3 more reasons, see extras.parquet\n"),
+        ("Unlicensed", 1, "6 crashed\n  start: SystemExit: no licence\n"),
+    ],
+)
+def test_a_method_beside_me_needs_no_installation_and_failing_everywhere_says_why(
+    tiny_dataset: Path, tmp_path: Path, name: str, status: int, said: str
+) -> None:
+    (tmp_path / "mymod.py").write_text(MINE)
+    script = Path(sys.executable).with_name("hardlight")  # the console script: it alone lacks the working directory
+    command = [script, "estimate", f"mymod:{name}", tiny_dataset, "--feature", "wing", "--out", "answers", "--quiet"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (status, f"answers: {said}", "")
+
+
 def test_the_same_estimate_twice_gives_the_same_answers(tiny_dataset: Path, tmp_path: Path, hardlight: Callable[..., Any]) -> None:
     tables = []
     for _ in range(2):
@@ -182,7 +213,7 @@ def test_an_estimator_of_ones_own_comes_through_the_class_door(
     monkeypatch.syspath_prepend(tmp_path)
     answers = tmp_path / "a"
     ended = hardlight("estimate", "stranger:Shy", tiny_dataset, "--feature", "wing", "--set", "excuse=busy", "--out", answers)
-    assert (ended.status, ended.out) == (0, f"{answers}: 6 skipped\n")
+    assert (ended.status, ended.out) == (0, f"{answers}: 6 skipped\n  busy\n")
     assert set(pd.read_parquet(answers / "extras.parquet")["reason"]) == {"busy"}
     assert "stranger:Shy" not in registry.names()
 

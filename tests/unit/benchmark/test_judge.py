@@ -226,7 +226,7 @@ def test_a_feature_that_is_turned_on_the_target_still_counts_its_own_labels(
     make_dataset: Callable[..., Dataset], tmp_path: Path
 ) -> None:
     side = RectangleFeature(
-        name="panel", centre_m=(0, 0, 0), length_m=3.0, width_m=1.5, length_axis=(1, 0, 0), width_axis=(0, 0, 1)
+        name="panel", centre_m=(0, 0, 0), length_m=3.0, width_m=1.5, length_axis=(-1, 1, 0), width_axis=(0, 0, 1)
     )
     dataset = make_dataset(tmp_path / "side", features=(side,))
     slip = side.target_from_feature * Rotation.from_euler("x", 90, degrees=True) * side.target_from_feature.inv()

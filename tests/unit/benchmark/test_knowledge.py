@@ -13,6 +13,8 @@ from scenes.errors import UsageError
 from scenes.features import RectangleFeature
 from scenes.motion import Spin
 
+FACING_DEG = (69.282, 69.282, -69.282)  # the panel's normal, target x, towards the camera
+
 
 def _true_corners(dataset: Dataset, frame: int = 0) -> np.ndarray:
     feature, truth = dataset.features[0], dataset.truth(frame)
@@ -100,3 +102,26 @@ def test_a_feature_behind_the_camera_cannot_be_clicked(make_dataset: Callable[..
     dataset = make_dataset(tmp_path / "behind", frames=range(1), motion=motion)
     with pytest.raises(UsageError, match="not in front of 'nav' in frame 0"):
         declare(dataset, "panel")
+
+
+def test_a_feature_that_leaves_the_picture_can_be_clicked_only_while_all_of_it_is_there(
+    make_dataset: Callable[..., Dataset], tmp_path: Path
+) -> None:
+    motion = Spin(type="spin", position_m=(0, 0, 12), velocity_m_s=(0.07, 0, 0), rotation_vector_deg=FACING_DEG)
+    dataset = make_dataset(tmp_path / "leaving", frames=range(20), motion=motion)
+    last = int(((159.5 - 79.5) / 400 * 12 - 1.5) / 0.07)  # x + L/2 = (u - cx) z / f at the picture's right edge
+    prior = declare(dataset, "panel", sigma_px=0.0, frame=last).knowledge.corner_prior
+    assert prior is not None
+    assert prior.corners_px[:, 0].max() <= 159.5
+    with pytest.raises(UsageError, match=rf"is not wholly in the picture of 'nav' in frame {last + 1}, .*begin with another"):
+        declare(dataset, "panel", frame=last + 1)
+
+
+def test_a_feature_seen_from_behind_cannot_be_clicked(make_dataset: Callable[..., Dataset], tmp_path: Path) -> None:
+    """About the image's vertical, the panel's z: at 89 degrees from the normal it is seen, at 91 no more."""
+    motion = Spin(type="spin", position_m=(0, 0, 12), rotation_vector_deg=FACING_DEG, omega_target_deg_s=(0, 0, 1))
+    dataset = make_dataset(tmp_path / "turning", frames=range(181), motion=motion)
+    assert declare(dataset, "panel", frame=89).knowledge.corner_prior is not None
+    for frame in (91, 180):
+        with pytest.raises(UsageError, match=f"'panel' faces away from 'nav' in frame {frame}, so its corners cannot be clicked"):
+            declare(dataset, "panel", frame=frame)

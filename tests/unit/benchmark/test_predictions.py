@@ -129,3 +129,16 @@ def test_a_failed_write_leaves_what_was_there(tmp_path: Path, monkeypatch: pytes
     with pytest.raises(StorageError, match="No space left on device"):
         write(tmp_path, Predictions(RECORD, _table(3)))
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path: Path) -> None:
+    """Excel writes a byte-order mark and CRLF; blank lines at the end are no answers, one in between is a fault."""
+    write(tmp_path, Predictions(RECORD, _table()))
+    table, plain = tmp_path / "predictions.csv", read(tmp_path).table
+    text = table.read_text()
+    table.write_bytes(b"\xef\xbb\xbf" + (text + "\n  \n\n").replace("\n", "\r\n").encode())
+    pd.testing.assert_frame_equal(read(tmp_path).table, plain, check_exact=True)
+    head, _, rest = text.partition("\n")
+    table.write_text(f"{head}\n\n{rest}")
+    with pytest.raises(PredictionsError, match="line 2: 0 fields where the header has 12"):
+        read(tmp_path)

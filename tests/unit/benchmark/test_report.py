@@ -215,10 +215,13 @@ def test_a_folder_without_results_and_damaged_ones_are_refused(tmp_path: Path, f
         results.summaries(tmp_path, index.entries[0])
 
 
+FACING_DEG = (69.282, 69.282, -69.282)  # the panel's normal, target x, towards the camera
+
+
 def test_a_scenario_without_a_sweep_has_tables_and_no_plot(make_dataset: Callable[..., Dataset], toy: Any, tmp_path: Path) -> None:
     from scenes.motion import Spin
 
-    motion = Spin(type="spin", position_m=(0.0, 0.0, 12.0), rotation_vector_deg=(0.0, 0.0, 0.0))
+    motion = Spin(type="spin", position_m=(0.0, 0.0, 12.0), rotation_vector_deg=FACING_DEG)
     dataset = make_dataset(tmp_path / "data", frames=range(3), motion=motion)
     declared = declare(dataset, "panel")
     record = RunRecord(format="hardlight-predictions", version=1, method="toy", dataset_identity=dataset.identity)

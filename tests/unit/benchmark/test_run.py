@@ -1,5 +1,7 @@
 """Loop 1: observations only, exceptions become rows, timings are kept apart, nothing is mixed."""
 
+import dataclasses
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -8,9 +10,9 @@ import pytest
 
 from benchmark.errors import ResultsConflict
 from benchmark.knowledge import declare
-from benchmark.predictions import Predictions, write
+from benchmark.predictions import Predictions, read, write
 from benchmark.records import RunRecord
-from benchmark.run import answer, refuse_to_mix
+from benchmark.run import answer, could_not_start, reasons_of_failure, refuse_to_mix
 from estimators.api import Estimate, Outcome
 from scenes.dataset import Dataset
 from scenes.recording import Knowledge, Observation
@@ -88,6 +90,62 @@ def test_an_estimator_is_handed_nothing_but_observations_and_knowledge(dataset: 
 
     _run(dataset, Spy())
     assert {type(one) for one in handed} == {Knowledge, Observation}
+
+
+@pytest.mark.parametrize("where", ["start", "step"])
+def test_a_method_that_ends_the_process_crashes_only_itself(dataset: Dataset, toy: Any, where: str) -> None:
+    class Quitter(toy):  # type: ignore[misc]
+        pass
+
+    def leave(*_: object) -> None:
+        sys.exit("no licence")
+
+    setattr(Quitter, where, leave)
+    answers = _run(dataset, Quitter())
+    assert set(answers.table["outcome"]) == {"crashed"}
+    assert reasons_of_failure(answers) == [("start: " if where == "start" else "") + "SystemExit: no licence"]
+    assert could_not_start(answers) == (where == "start")
+
+
+def _with_extras(toy: Any, extras: Any) -> Any:
+    class Talkative(toy):  # type: ignore[misc]
+        def step(self, observation: Observation) -> Estimate:
+            return dataclasses.replace(super().step(observation), extras=extras)
+
+    return Talkative()
+
+
+@pytest.mark.parametrize(
+    ("extras", "reason"),
+    [
+        ({"frame": 3.0}, "step answered with the extra 'frame'; a name is a text other than frame, sensor, reason"),
+        ({"reason": 1}, "the extra 'reason'; a name"),
+        ({7: 1.0}, "the extra 7; a name is a text"),
+        ({"edges": "four"}, "the extra 'edges' = 'four', which is not a number"),
+        ({"edges": None}, "the extra 'edges' = None, which is not a number"),
+        ({"edges": 10**400}, "which is not a number"),
+        ([1.0], "step answered with extras that are a list, not named numbers"),
+    ],
+)
+def test_extras_are_named_numbers_beside_our_columns(dataset: Dataset, toy: Any, tmp_path: Path, extras: Any, reason: str) -> None:
+    answers = _run(dataset, _with_extras(toy, extras))
+    assert set(answers.table["outcome"]) == {"crashed"}
+    (told,) = reasons_of_failure(answers)
+    assert reason in told
+    write(tmp_path, answers)
+    again = read(tmp_path).extras
+    assert again is not None
+    assert again.columns.tolist() == ["frame", "sensor", "reason"]
+    assert again["frame"].tolist() == dataset.frames
+
+
+def test_every_kind_of_number_is_an_extra(dataset: Dataset, toy: Any, tmp_path: Path) -> None:
+    given = {"count": 4, "small": np.float32(0.5), "big": 10**30, "seen": np.bool_(True), "unknown": float("nan")}
+    write(tmp_path, _run(dataset, _with_extras(toy, given)))
+    extras = read(tmp_path).extras
+    assert extras is not None
+    assert extras[["count", "small", "big", "seen"]].iloc[3].tolist() == [4.0, 0.5, 1e30, 1.0]
+    assert extras["unknown"].isna().all()
 
 
 def test_ctrl_c_is_not_swallowed(dataset: Dataset, toy: Any) -> None:

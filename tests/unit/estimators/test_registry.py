@@ -49,3 +49,17 @@ def test_errors_are_one_sentence(name, parameters, message):
         registry.load(name, **parameters)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_module_in_the_working_directory_is_found_and_shadows_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", [one for one in sys.path if one not in ("", str(tmp_path))])
+    monkeypatch.chdir(tmp_path)
+    text = "class Mine:\n    def start(self, knowledge): ...\n    def step(self, observation): ...\n"
+    (tmp_path / "hardlight_test_method.py").write_text(text)
+    (tmp_path / "json.py").write_text(text)
+    for _ in range(2):
+        assert type(registry.load("hardlight_test_method:Mine")).__module__ == "hardlight_test_method"
+    assert sys.path.count(str(tmp_path)) == 1
+    assert sys.path[-1] == str(tmp_path)
+    with pytest.raises(UsageError, match="module 'json' has no 'Mine'"):
+        registry.load("json:Mine")
