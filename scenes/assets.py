@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scenes.arrays import Floats, frozen
 from scenes.errors import AssetError, nearest
 from scenes.provenance import sha256_of_bytes
+from scenes.winding import outward
 
 FORMATS = (".glb", ".obj", ".ply", ".stl")  # each but OBJ states its size, so a truncated file is found out
 LARGEST_BYTES = 512 * 2**20
@@ -31,8 +32,8 @@ class Mesh:
 def load_mesh(path: Path, scale: float = 1.0) -> Mesh:
     """The mesh of a file, its coordinates times ``scale`` being metres. The same file is read once.
 
-    Triangles without an area are left out. Raises ``AssetError`` where the file is missing, broken, empty, has a NaN or an
-    index out of range, or no triangle with an area.
+    Closed bodies that are wound inside out are turned over, triangles without an area left out. Raises ``AssetError`` where
+    the file is missing, broken, empty, has a NaN or an index out of range, or no triangle with an area.
     """
     mesh = _load(path, *_stamp(path))
     return mesh if scale == 1.0 else Mesh(frozen(mesh.vertices_m * scale), mesh.faces)
@@ -102,7 +103,7 @@ def _checked(path: Path, vertices: Floats, faces: NDArray[np.int64]) -> Mesh:
     solid = np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0
     if not solid.any():
         raise AssetError(f"{path}: none of the mesh's {len(faces)} triangles has an area")
-    return Mesh(frozen(vertices), frozen(faces[solid], np.int64))
+    return Mesh(frozen(vertices), frozen(outward(vertices, faces)[solid], np.int64))
 
 
 def map_mesh_paths(tree: Any, change: Callable[[str], str]) -> Any:

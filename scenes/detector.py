@@ -2,17 +2,25 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from scenes.spec import Fraction, NonNegative, Positive, Spec
-from scenes.spectrum import FractionQuantity
+from scenes.spectrum import BAND_NM, FractionQuantity, Quantity, on_band
+
+ExposureTime = Annotated[float, Field(gt=0, le=3600)]
+
+
+def _sees_the_band(efficiency: Quantity) -> Quantity:
+    if not on_band(efficiency).any():
+        raise ValueError(f"is zero from {BAND_NM[0]:g} to {BAND_NM[-1]:g} nm, the band of the lights: the camera would see nothing")
+    return efficiency
 
 
 class FixedExposure(Spec):
     """The same exposure time for every frame."""
 
     type: Literal["fixed"] = "fixed"
-    time_s: Positive
+    time_s: ExposureTime
 
 
 class AutoExposure(Spec):
@@ -24,8 +32,8 @@ class AutoExposure(Spec):
     type: Literal["auto"] = "auto"
     percentile: Annotated[float, Field(gt=0, le=100)] = 95.0
     target_fraction: Annotated[float, Field(gt=0, le=1)] = 0.7
-    shortest_s: Positive = 1e-6
-    longest_s: Positive = 1.0
+    shortest_s: ExposureTime = 1e-6
+    longest_s: ExposureTime = 1.0
 
     @model_validator(mode="after")
     def _ordered(self) -> "AutoExposure":
@@ -45,7 +53,7 @@ class Detector(Spec):
     ``psf_sigma_px`` is lens blur plus pixel diffusion as a Gaussian.
     """
 
-    quantum_efficiency: FractionQuantity
+    quantum_efficiency: Annotated[FractionQuantity, AfterValidator(_sees_the_band)]
     full_well_e: Positive
     gain_dn_per_e: Positive
     bits: Annotated[int, Field(ge=1, le=16)] = 8

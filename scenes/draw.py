@@ -89,13 +89,13 @@ class OnSphere(Spec):
 
 
 def _only_positive(field: "Scalar") -> "Scalar":
-    lowest = _lowest(field)
+    lowest = lowest_of(field)
     if lowest <= 0:
         raise ValueError(f"must be greater than 0, got values down to {lowest:g}")
     return field
 
 
-def _lowest(field: "Scalar") -> float:
+def lowest_of(field: "Scalar") -> float:
     """The least value of a field; a normal draw counts as reaching six sigma (one in 10⁹)."""
     if isinstance(field, Normal):
         return field.mean - 6 * field.sigma

@@ -1,13 +1,14 @@
 """Lights in absolute units. Directions point from the target to the light."""
 
+import math
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from scenes.arrays import Floats, frozen
 from scenes.constants import SOLAR_CONSTANT_W_M2, SUN_HALF_ANGLE_DEG
-from scenes.draw import Direction, PositiveScalar
+from scenes.draw import Direction, PositiveScalar, lowest_of
 from scenes.spec import Positive, Spec
 from scenes.spectrum import BAND_NM
 
@@ -35,6 +36,16 @@ class Sun(Spec):
     distance_au: PositiveScalar = 1.0
     half_angle_deg: Annotated[float, Field(gt=0, le=20)] = SUN_HALF_ANGLE_DEG
     total_irradiance_w_m2: Positive = SOLAR_CONSTANT_W_M2
+
+    @model_validator(mode="after")
+    def _stays_a_disk(self) -> "Sun":
+        nearest_au, radius_au = lowest_of(self.distance_au), math.sin(math.radians(self.half_angle_deg))
+        if nearest_au <= radius_au:
+            raise ValueError(
+                f"distance_au reaches down to {nearest_au:g}, inside of the light: "
+                f"half_angle_deg {self.half_angle_deg:g} at 1 au makes its radius {radius_au:.6g} au"
+            )
+        return self
 
     @property
     def spectral_irradiance_w_m2_nm(self) -> Floats:

@@ -4,7 +4,6 @@ A grey camera has one band. Source, optics, detector and material spectra are fo
 material before rendering: photo-electrons count photons, so the weight is E(λ)·QE(λ)·λ/(hc).
 """
 
-from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -36,7 +35,7 @@ class Spectrum(Spec):
             raise ValueError(f"a spectrum has no negative value, got {min(self.value)}")
         return self
 
-    @cached_property
+    @property
     def on_band(self) -> Floats:
         """Values on ``BAND_NM``."""
         outside = 0.0 if self.zero_outside else None

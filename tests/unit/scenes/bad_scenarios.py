@@ -117,6 +117,31 @@ TABLE = (
         _in(SCENARIO, 'sun = "sun"', 'sun = { base = "sun", distance_au = { draw = "uniform", low = 1.5, high = 0.5 } }'),
     ),
     Bad(
+        "sun around the target",
+        ("lights.sun: distance_au reaches down to 0.001, inside of the light: half_angle_deg ", "its radius 0.0046"),
+        _in(SCENARIO, 'sun = "sun"', 'sun = { base = "sun", distance_au = 0.001 }'),
+    ),
+    Bad(
+        "blind camera",
+        ("cameras.nav.detector.quantum_efficiency: is zero from 300 to 1100 nm",),
+        overrides=("cameras.nav.detector.quantum_efficiency=0",),
+    ),
+    Bad(
+        "blind camera by a table",
+        ("cameras.nav.detector.quantum_efficiency: is zero from 300 to 1100 nm",),
+        overrides=("cameras.nav.detector.quantum_efficiency={wavelength_nm=[200, 250], value=[0.5, 0.0]}",),
+    ),
+    Bad(
+        "endless exposure",
+        ("cameras.nav.exposure.time_s: got 1000000000.0, must be at most 3600",),
+        overrides=("cameras.nav.exposure.time_s=1e9",),
+    ),
+    Bad(
+        "endless automatic exposure",
+        ("cameras.nav.exposure.longest_s: got 3601, must be at most 3600",),
+        overrides=("cameras.nav.exposure={type='auto', longest_s=3601}",),
+    ),
+    Bad(
         "word for a draw",
         ("lights.sun.distance_au: got 'near' (a string), must be a number or a table",),
         _in(SCENARIO, 'sun = "sun"', 'sun = { base = "sun", distance_au = "near" }'),

@@ -68,6 +68,49 @@ def test_quads_are_split_and_triangles_without_area_left_out(tmp_path):
     np.testing.assert_allclose(np.cross(b - a, c - a).sum(axis=0), [0, 0, 2.0])
 
 
+def volume_m3(mesh):
+    a, b, c = (mesh.vertices_m[mesh.faces[:, corner]] for corner in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+
+
+@pytest.mark.parametrize("name", ["a.stl", "a.obj", "a.ply", "a.glb"])
+def test_a_body_that_is_inside_out_is_turned_and_its_neighbour_is_not(ball, tmp_path, name):
+    """Two bodies of 2 m: one inside out, one right, in a file; STL shares no vertices at all."""
+    right, wrong = ball.copy(), ball.copy().apply_translation([10.0, 0.0, 0.0])
+    wrong.invert()
+    trimesh.util.concatenate([right, wrong]).export(tmp_path / name)
+    mesh = load_mesh(tmp_path / name)
+    middles = mesh.vertices_m[mesh.faces].mean(axis=1)
+    a, b, c = (mesh.vertices_m[mesh.faces[:, corner]] for corner in range(3))
+    outwards = middles - np.where(middles[:, :1] > 5.0, [[10.0, 0.0, 0.0]], [[0.0, 0.0, 0.0]])
+    assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), outwards) > 0).all()
+    assert volume_m3(mesh) == pytest.approx(2 * ball.volume, rel=1e-5)
+
+
+def test_a_small_body_far_from_the_origin_is_turned(tmp_path):
+    box = trimesh.creation.box((1e-3, 1e-3, 1e-3))
+    box.invert()
+    box.vertices = box.vertices + 1e5
+    box.export(tmp_path / "a.obj")
+    mesh = load_mesh(tmp_path / "a.obj")
+    a, b, c = (mesh.vertices_m[mesh.faces[:, corner]] - 1e5 for corner in range(3))
+    assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(1e-9, rel=1e-3)
+
+
+def test_a_triangle_without_area_does_not_keep_a_body_inside_out(tmp_path):
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    inside_out = write(tmp_path / "a.obj", corners + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\nf 1 1 2\n")
+    assert volume_m3(load_mesh(inside_out)) == pytest.approx(1 / 6)
+
+
+def test_an_open_surface_stays_as_it_is(ball, tmp_path):
+    """An inverted ball with one triangle missing encloses nothing; its 319 triangles keep their winding."""
+    ball.invert()
+    ball.update_faces(np.arange(len(ball.faces)) > 0)
+    ball.export(tmp_path / "a.ply")
+    np.testing.assert_array_equal(load_mesh(tmp_path / "a.ply").faces, ball.faces)
+
+
 def ply_with_bad_index():
     header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     return header + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"

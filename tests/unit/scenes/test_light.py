@@ -57,6 +57,10 @@ def test_the_direction_is_fixed_where_it_was_said():
         ({"distance_au": 0.0}, "greater than 0"),
         ({"distance_au": {"draw": "uniform", "low": -1.0, "high": 1.0}}, "greater than 0, got values down to -1"),
         ({"distance_au": {"draw": "normal", "mean": 1.0, "sigma": 0.5}}, "greater than 0, got values down to -2"),
+        ({"distance_au": 0.004}, r"down to 0.004, inside of the light: half_angle_deg 0.26\d* at 1 au makes its radius 0.0046"),
+        ({"distance_au": {"draw": "uniform", "low": 0.3, "high": 1.0}, "half_angle_deg": 20.0}, "down to 0.3, .* 0.34202 au"),
+        ({"distance_au": {"draw": "log-uniform", "low": 0.001, "high": 1.0}}, "down to 0.001, inside"),
+        ({"distance_au": {"draw": "normal", "mean": 0.604, "sigma": 0.1}}, "down to 0.004, inside"),
         ({"half_angle_deg": 0.0}, "greater than 0"),
         ({"frame": "world"}, "chaser"),
     ],
@@ -64,3 +68,8 @@ def test_the_direction_is_fixed_where_it_was_said():
 def test_impossible_suns_are_refused(changes: dict, says: str):
     with pytest.raises(ValidationError, match=says):
         Sun.model_validate(SUN | changes)
+
+
+def test_a_sun_just_outside_of_itself_is_nearly_half_the_sky():
+    near = _scene(half_angle_deg=20.0, distance_au=1.0001 * np.sin(np.radians(20.0))).lights[0]
+    assert np.degrees(near.half_angle_rad) == pytest.approx(np.degrees(np.arccos(np.sqrt(2e-4))), abs=0.01)

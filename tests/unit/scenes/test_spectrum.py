@@ -55,3 +55,9 @@ def test_the_band_resolves_every_table_of_the_library():
     assert isinstance(efficiency, Spectrum)
     assert set(efficiency.wavelength_nm) <= set(BAND_NM)
     assert np.array_equal(np.array(efficiency.value), efficiency.on_band[np.isin(BAND_NM, efficiency.wavelength_nm)])
+
+
+def test_a_table_that_was_used_equals_one_that_was_not():
+    used, fresh = (Spectrum(wavelength_nm=(400.0, 500.0), value=(0.1, 0.2)) for _ in range(2))
+    assert used.on_band.any()
+    assert used == fresh
