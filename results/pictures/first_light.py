@@ -1,4 +1,4 @@
-"""Draws results/pictures/first-light.png: what a camera sees of two frames, and what only the renderer knows. Run it from the checkout."""
+"""Draws first-light.png beside it: what a camera sees of two frames, and what only the renderer knows. Run from the checkout."""
 
 from pathlib import Path
 from typing import Any
