@@ -28,20 +28,24 @@ class KnowledgeRecord(Spec):
     aspect: float | None = None
     corner_prior: CornerPriorRecord | None = None
 
-    def sentence(self, *, named: bool = True) -> str:
-        """The declaration as a person reads it; without ``named`` the rectangle's name is left out."""
+    def sentence(self) -> str:
+        """The declaration as a person reads it."""
+        return ", ".join(self.facts())
+
+    def facts(self, *, named: bool = True) -> list[str]:
+        """Each thing that was told; without ``named`` the rectangle's name is left out."""
         told = ["calibration"]
         if self.feature is not None:
             told.append("how the rectangle" + (f" '{self.feature}'" if named else "") + " lies on the target")
         if self.gap is not None:
-            told.append("between which parts of its length the long edges are missing")
+            told.append("between which parts of its length the long edges are missing (where they are)")
         if self.free_standing:
-            told.append("that open space surrounds it")
+            told.append("that open space surrounds it (where it does)")
         if self.aspect is not None:
             told.append(f"its aspect ratio {self.aspect:.3g}")
         if self.corner_prior is not None:
             told.append(f"its 4 corner pixels in the first frame (σ {self.corner_prior.sigma_px:g} px)")
-        return ", ".join(told)
+        return told
 
 
 class MachineRecord(Spec):

@@ -156,14 +156,13 @@ def is_constant(summary: Summary) -> bool:
 
 
 def told(cases: Sequence[CaseView]) -> dict[str, list[str]]:
-    """Method → the distinct declarations of what it was told."""
+    """Method → everything that it was told in any case, each fact once, as one sentence."""
     told: dict[str, list[str]] = {}
     for case in cases:
         for feature in case.features:
             for entry in feature.entries:
                 knowledge = entry.row.summary.knowledge
-                sentence = knowledge.sentence(named=False) if knowledge is not None else "not declared"
-                texts = told.setdefault(entry.row.entry.title, [])
-                if sentence not in texts:
-                    texts.append(sentence)
-    return told
+                facts = knowledge.facts(named=False) if knowledge is not None else ["not declared"]
+                known = told.setdefault(entry.row.entry.title, [])
+                known += [fact for fact in facts if fact not in known]
+    return {method: [", ".join(facts)] for method, facts in told.items()}
