@@ -9,14 +9,10 @@ from benchmark import results
 from benchmark.results import Entry, Results
 from benchmark.summary import Figure, Summary
 
-HEADINGS = (
-    "method", "answered", "wrong", "mean", "sd", "max", "geodesic median", "p95", "label switches", "CPU ms/frame",
-)  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Row:
-    """One entry with its summary (one per sensor) and the texts of its cells, keyed by ``HEADINGS``."""
+    """One entry with its summary (one per sensor) and the texts of its cells, keyed by their column."""
 
     entry: Entry
     summary: Summary

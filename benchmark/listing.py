@@ -2,7 +2,6 @@
 
 from scenes.errors import UsageError, unknown
 
-LIBRARY_KINDS = ("scenarios", "targets", "materials", "cameras", "lights", "suites")
 KINDS = ("scenarios", "estimators", "suites", "targets", "cameras", "lights", "materials")
 
 

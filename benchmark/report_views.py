@@ -156,7 +156,7 @@ def is_constant(summary: Summary) -> bool:
 
 
 def told(cases: Sequence[CaseView]) -> dict[str, list[str]]:
-    """Method → everything that it was told in any case, each fact once, as one sentence."""
+    """Method → everything that it was told in any case, each fact once."""
     told: dict[str, list[str]] = {}
     for case in cases:
         for feature in case.features:
@@ -165,4 +165,4 @@ def told(cases: Sequence[CaseView]) -> dict[str, list[str]]:
                 facts = knowledge.facts(named=False) if knowledge is not None else ["not declared"]
                 known = told.setdefault(entry.row.entry.title, [])
                 known += [fact for fact in facts if fact not in known]
-    return {method: [", ".join(facts)] for method, facts in told.items()}
+    return told

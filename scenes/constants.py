@@ -2,6 +2,5 @@
 
 SPEED_OF_LIGHT_M_S = 299_792_458.0  # SI, exact
 PLANCK_J_S = 6.626_070_15e-34  # SI, exact
-ASTRONOMICAL_UNIT_M = 149_597_870_700.0  # IAU 2012 B2, exact
 SOLAR_CONSTANT_W_M2 = 1366.1  # ASTM E490-00a, total irradiance at 1 au
 SUN_HALF_ANGLE_DEG = 0.2666  # IAU 2015 B3 nominal solar radius 6.957e8 m seen from 1 au

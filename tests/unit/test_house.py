@@ -70,7 +70,7 @@ def test_every_dependency_is_pinned_within_its_range(repository):
 
 @pytest.mark.parametrize("name", ["constraints.txt", "pyproject.toml", "run", ".ci/run"])
 def test_what_installs_names_no_host(repository, name):
-    found = re.findall(r"\w+://\S*|\S*index-url\S*|\S*find-links\S*|\S*trusted-host\S*|\S+@\S+\.\w+", text_of(repository / name))
+    found = re.findall(r"\w+://\S*|\S*index.url\S*|\S*find.links\S*|\S*trusted-host\S*|\S+@\S+\.\w+", text_of(repository / name))
     assert [one for one in found if "$@" not in one] == []
 
 

@@ -65,8 +65,8 @@ def test_the_record_says_everything_that_was_told(dataset: Dataset) -> None:
     assert knowledge.rectangle is not None
     assert (record.gap, record.free_standing) == (knowledge.rectangle.gap, knowledge.rectangle.free_standing)
     assert record.sentence() == (
-        "calibration, how the rectangle 'panel' lies on the target, that open space surrounds it (where it does), its aspect ratio 2, "
-        "its 4 corner pixels in the first frame (σ 3 px)"
+        "calibration, how the rectangle 'panel' lies on the target, that open space surrounds it (where it does), "
+        "its aspect ratio 2, its 4 corner pixels in the first frame (σ 3 px)"
     )
     assert type(record).model_validate_json(record.model_dump_json()) == record
 
