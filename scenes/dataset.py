@@ -12,20 +12,23 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import TypeAdapter
 
 from scenes.assets import with_assets_in
 from scenes.dataset_frame import read_frame_json, truth_of
 from scenes.dataset_layout import TRUTH_TABLE, frame_folder, image_name, layers_name
-from scenes.dataset_manifest import Manifest, read_manifest, sensor_model
+from scenes.dataset_manifest import Manifest, read_manifest, sensor_model, stereo_pairs
 from scenes.dataset_writer import missing_sentence
 from scenes.errors import DatasetError
 from scenes.exr import decode
-from scenes.features import RectangleFeature
+from scenes.features import Feature
 from scenes.provenance import sha256_of_bytes
-from scenes.recording import Image, Observation, SensorModel, Truth
+from scenes.recording import Image, Observation, SensorModel, StereoPair, Truth
 
 if TYPE_CHECKING:
     import pandas as pd
+
+_FEATURES: TypeAdapter[tuple[Feature, ...]] = TypeAdapter(tuple[Feature, ...])
 
 
 @dataclass(frozen=True)
@@ -69,12 +72,16 @@ class Dataset:
         return MappingProxyType(models)
 
     @cached_property
-    def features(self) -> tuple[RectangleFeature, ...]:
-        """The target's named rectangles."""
+    def features(self) -> tuple[Feature, ...]:
+        """The target's named features."""
         target = self.manifest.scenario.get("target")
         features = target.get("features", []) if isinstance(target, dict) else []
-        tables = [entry for entry in features or [] if isinstance(entry, dict)]  # type: ignore[union-attr]
-        return tuple(RectangleFeature.model_validate(entry) for entry in tables if entry.get("type") == "rectangle")
+        return _FEATURES.validate_python(features or [], strict=False)
+
+    @cached_property
+    def rigs(self) -> Mapping[str, StereoPair]:
+        """Stereo rig → its calibrated pair of cameras."""
+        return MappingProxyType(stereo_pairs(self.manifest.sensors))
 
     def observation(self, frame: int) -> Observation:
         """What the chaser has at one frame. Raises ``DatasetError`` on a missing, truncated or edited file."""

@@ -5,14 +5,14 @@ P4 = P1 + L·e1 + W·e2 (Z-order, not cyclic). Seen from outside along −normal
 right, P3 top left, P4 top right.
 """
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import model_validator
-from scipy.spatial.transform import Rotation
+from pydantic import Discriminator, Tag, model_validator
+from scipy.spatial.transform import RigidTransform, Rotation
 
 from scenes.arrays import Floats, frozen, unit
-from scenes.spec import Fraction, Positive, Spec, Vector3
+from scenes.spec import Fraction, Positive, Spec, Vector3, kind_of
 
 
 class RectangleFeature(Spec):
@@ -59,4 +59,54 @@ class RectangleFeature(Spec):
         return Rotation.from_matrix(np.stack([np.cross(e1, e2), e1, e2], axis=1))
 
 
-Feature = RectangleFeature  # a tagged union on `type` as soon as there is a second kind
+class _OnSurface(Spec):
+    """What lies in a plane of the target: ``centre_m``, outward ``normal`` and ``x_axis`` (perpendicular), target frame."""
+
+    name: str
+    centre_m: Vector3 = (0.0, 0.0, 0.0)
+    normal: Vector3 = (0.0, 0.0, 1.0)
+    x_axis: Vector3 = (1.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _axes_are_perpendicular(self) -> "_OnSurface":
+        if not any(self.normal) or not any(self.x_axis):
+            raise ValueError(f"normal {self.normal} and x_axis {self.x_axis} must not be zero")
+        cosine = float(unit(self.normal) @ unit(self.x_axis))
+        if abs(cosine) > 1e-9:
+            raise ValueError(f"normal and x_axis must be perpendicular, their cosine is {cosine:.3g}")
+        return self
+
+    @property
+    def target_from_feature(self) -> RigidTransform:
+        """Takes points from the feature's frame (origin its centre, Z outward normal, X ``x_axis``) into the target's."""
+        z, x = unit(self.normal), unit(self.x_axis)
+        rotation = Rotation.from_matrix(np.stack([x, np.cross(z, x), z], axis=1))
+        return RigidTransform.from_components(self.centre_m, rotation)
+
+
+class CircleFeature(_OnSurface):
+    """A circular edge: a docking ring's rim. ``x_axis`` points to the marker that tells the rotation about the normal."""
+
+    type: Literal["circle"]
+    radius_m: Positive
+
+    def points_target(self, count: int = 360) -> Floats:
+        """``count`` points on the circle, (count, 3), metres, target frame, evenly spaced from ``x_axis`` towards Y."""
+        angle = np.arange(count) * (2 * np.pi / count)
+        circle = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1) * self.radius_m
+        return frozen(self.target_from_feature.apply(circle))
+
+
+class MarkerFeature(_OnSurface):
+    """A plane marker: a square of edge or a disc of diameter ``size_m``, ``bright`` on dark ground or dark on bright."""
+
+    type: Literal["marker"]
+    shape: Literal["square", "disc"]
+    size_m: Positive
+    bright: bool = False
+
+
+Feature = Annotated[
+    Annotated[RectangleFeature, Tag("rectangle")] | Annotated[CircleFeature, Tag("circle")] | Annotated[MarkerFeature, Tag("marker")],
+    Discriminator(kind_of("rectangle")),
+]

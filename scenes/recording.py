@@ -67,12 +67,36 @@ class Rectangle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Ring:
+    """What a method may know of a docking ring without its size.
+
+    ``target_from_feature``: how the ring's frame (origin its centre, Z outward normal, X towards the marker that tells the
+    rotation about the normal) lies in the target frame. ``radius_m`` where a suite grants it, else None.
+    """
+
+    name: str
+    target_from_feature: RigidTransform
+    radius_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StereoPair:
+    """A calibrated rig: the names of its cameras among the sensors, and ``right_from_left``, p_right = right_from_left · p_left."""
+
+    left: str
+    right: str
+    right_from_left: RigidTransform
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Knowledge:
     """Everything that an estimator is told in advance. It is printed beside its score."""
 
     sensors: Mapping[str, SensorModel]
     rectangle: Rectangle | None = None
     corner_prior: CornerPrior | None = None
+    pair: StereoPair | None = None
+    ring: Ring | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,7 +15,7 @@ from scenes.draw import direction, scalar
 from scenes.light import Light
 from scenes.motion import Motion
 from scenes.provenance import stream
-from scenes.spec import Positive, Spec
+from scenes.spec import Positive, Spec, kind_of
 from scenes.target import Target
 from scenes.wings import CubeWithWings
 
@@ -32,18 +32,13 @@ MATERIAL_REFERENCES = {
 }
 
 
-def _kind_of_target(value: Any) -> str:
-    given = value.get("type", "assembly") if isinstance(value, dict) else getattr(value, "type", "assembly")
-    return str(given)
-
-
 # A target is a list of parts, or a description with few numbers that becomes one before anything else sees it.
 if TYPE_CHECKING:
     AnyTarget = Target
 else:
     AnyTarget = Annotated[
         Annotated[Target, Tag("assembly")] | Annotated[CubeWithWings, Tag("cube-with-wings")],
-        Discriminator(_kind_of_target),
+        Discriminator(kind_of("assembly")),
         AfterValidator(lambda target: target.assembled() if isinstance(target, CubeWithWings) else target),
     ]
 

@@ -1,6 +1,7 @@
 """The base of everything a person writes: frozen, strict about keys, silent about nothing."""
 
-from typing import Annotated
+from collections.abc import Callable
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -14,3 +15,12 @@ class Spec(BaseModel):
     """A frozen description that forbids unknown keys, NaN and infinity."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=False, validate_default=True)
+
+
+def kind_of(default: str) -> Callable[[Any], str]:
+    """Discriminator of a tagged union on ``type`` where a table without one means ``default``."""
+
+    def kind(value: Any) -> str:
+        return str(value.get("type", default) if isinstance(value, dict) else getattr(value, "type", default))
+
+    return kind
