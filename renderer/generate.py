@@ -9,16 +9,19 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from renderer.emitters import apparent_radius_rad
 from renderer.masks import Light
 from renderer.photograph import Photographer
 from renderer.quality import PRESETS
 from renderer.variant import Backend, activate, probe
 from renderer.window import refuse_fast_spin
 from scenes.dataset_frame import FrameRecord
-from scenes.dataset_manifest import Manifest, calibration
+from scenes.dataset_manifest import Manifest, calibration, rig_entry
 from scenes.dataset_writer import DatasetWriter
 from scenes.errors import HardlightError, UsageError
+from scenes.lighting import SceneLight
 from scenes.scenario import Quality, Scenario, Scene, realize
+from scenes.spectrum import band_irradiance
 
 Progress = Callable[[int, int], None]
 
@@ -69,7 +72,7 @@ def manifest_of(scenario: Scenario, frames: range, backend: Backend) -> Manifest
         scenario=scenario.model_dump(mode="json"),
         seed=scenario.seed,
         frames=frames,
-        sensors={name: _sensor(scenario, name) for name in scenario.cameras},
+        sensors={name: _sensor(scenario, name) for name in scenario.sensors},
         backend={"variant": backend.variant, "llvm": llvm},
         quality=preset,
     )
@@ -79,9 +82,10 @@ def _sensor(scenario: Scenario, name: str) -> dict[str, Any]:
     """Calibration, and what the numbers in the truth layers mean."""
     from renderer.photometry import photometry
 
-    camera = scenario.cameras[name]
-    light = next(iter(scenario.lights.values()))
-    per_radiance = photometry(camera, light.spectral_irradiance_w_m2_nm).electrons_per_radiance
+    camera = scenario.sensors[name]
+    per_radiance = photometry(camera, scenario.lights[scenario.light_names[0]].spectrum).electrons_per_radiance
+    rig_name = next((one for one, rig in scenario.rigs.items() if name in rig.sensors(one)), None)
+    in_rig = {} if rig_name is None else {"rig": rig_entry(scenario.rigs[rig_name], rig_name, name)}
     return calibration(
         camera.model,
         bits=camera.detector.bits,
@@ -89,6 +93,7 @@ def _sensor(scenario: Scenario, name: str) -> dict[str, Any]:
         psf_sigma_px=camera.detector.psf_sigma_px,
         parts=["background", *(part.name for part in scenario.target.parts)],
         mask_bits={bit.name.lower(): int(bit) for bit in Light if bit.name},
+        **in_rig,
     )
 
 
@@ -98,7 +103,7 @@ class FrameMaker:
     def __init__(self, scenario: Scenario) -> None:
         """Loads each camera's session."""
         self._scenario = scenario
-        self._photographers = {name: Photographer(scenario, name) for name in scenario.cameras}
+        self._photographers = {name: Photographer(scenario, name) for name in scenario.sensors}
 
     def record(self, frame: int) -> FrameRecord:
         """Every camera's picture of one frame, with its truth."""
@@ -116,15 +121,20 @@ class FrameMaker:
 
 
 def _state(scene: Scene, exposure_s: dict[str, float]) -> dict[str, Any]:
-    lights = {
-        light.name: {
-            "direction_chaser": light.direction_chaser.tolist(),
-            "direction_target": light.direction_target.tolist(),
-            "half_angle_rad": light.half_angle_rad,
-        }
-        for light in scene.lights
-    }
+    lights = {light.name: _light_state(light, scene.time_s, exposure_s) for light in scene.lights}
     return {"lights": lights, "exposure_s": exposure_s, "omega_target_rad_s": list(scene.omega_target_rad_s)}
+
+
+def _light_state(light: SceneLight, time_s: float, exposure_s: dict[str, float]) -> dict[str, Any]:
+    """A light's place and radiometry as truth: direction, position if it has one, in-band irradiance at the target's origin."""
+    near = {} if light.position_chaser is None else {"position_chaser_m": light.position_chaser.tolist()}
+    return near | {
+        "direction_chaser": light.direction_chaser.tolist(),
+        "direction_target": light.direction_target.tolist(),
+        "half_angle_rad": apparent_radius_rad(light.emitter),
+        "irradiance_w_m2": band_irradiance(light.irradiance_w_m2_nm),
+        "power_factor": {name: light.power_factor(time_s, open_s) for name, open_s in exposure_s.items()},
+    }
 
 
 def _rendered(writer: DatasetWriter, scenario: Scenario, frames: Sequence[int], workers: int) -> Iterator[int]:

@@ -11,42 +11,47 @@ from typing import Any
 
 import drjit as dr
 
-from renderer.sunlight import sample_sun, sees_sun, sun_density, sun_weight
+from renderer.emitters import Kind, Sample, light_along, sample_light
 
 # Depth 6 in Mitsuba's count: the camera ray, then at most five scattering events; what lies beyond carries < 0.7 % of the
 # energy even among metals (measured).
 MAX_SCATTERINGS = 5
+_SHADOW_EPSILON = 1e-3  # of the way: a shadow ray ends before the light that it goes to
 
 
-def direct_layers(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any, *, with_glints: bool) -> dict[str, Any]:
-    """Direct light of each ray: ``diffuse`` and ``specular`` radiance, and how much of the sun its point can see.
+def direct_layers(
+    mi: Any, scene: Any, ray: Any, light: dict[str, Any], rng: Any, *, kind: Kind, with_glints: bool
+) -> dict[str, Any]:
+    """Direct light of each ray: ``diffuse`` and ``specular`` radiance, and how much of the light its point can see.
 
-    ``hit``, ``facing`` (the surface is turned to the sun's centre), ``open`` (facing and nothing in between) are 0 or 1.
-    ``with_glints`` adds sampling by the surface's own lobe, which near-mirrors need (roughness under about 0.03).
+    ``hit``, ``facing`` (the surface is turned to the sampled point of the light), ``open`` (facing and nothing in between) are
+    0 or 1. ``with_glints`` adds sampling by the surface's own lobe, which lobes need that are narrow against the light.
     """
     si = scene.ray_intersect(ray)
     hit = si.is_valid()
-    to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
+    u = mi.Point2f(rng.next_float32(), rng.next_float32())
     in_lobe = (mi.Point2f(rng.next_float32(), rng.next_float32()), rng.next_float32()) if with_glints else None
     if _is_off(hit):
         return dict.fromkeys(("diffuse", "specular", "hit", "facing", "open"), 0.0)
+    to = sample_light(mi, dr, kind, light, si.p, u)
     bsdf = si.bsdf(ray)
-    facing = hit & (dr.dot(si.n, to_sun) > 0) & (dr.dot(si.n, ray.d) < 0)
-    is_open = facing & (scene.ray_test(si.spawn_ray(to_sun), facing) ^ True)
-    wo = si.to_local(to_sun)
+    facing = hit & (dr.dot(si.n, to.direction) > 0) & (dr.dot(si.n, ray.d) < 0)
+    is_open = facing & (scene.ray_test(_towards(si, to), facing) ^ True)
+    wo = si.to_local(to.direction)
     diffuse, total = _lobes(mi, bsdf, si, wo, is_open)
-    weight = sun_weight(sun)
     specular = dr.maximum(total - diffuse, 0.0)
     if with_glints:
-        specular = specular * _power(sun_density(dr, sun), bsdf.pdf(mi.BSDFContext(), si, wo, is_open))
-    layers = {"diffuse": diffuse * weight, "specular": specular * weight}
+        specular = specular * _power(to.density, bsdf.pdf(mi.BSDFContext(), si, wo, is_open))
+    layers = {"diffuse": diffuse * to.weight, "specular": specular * to.weight}
     if in_lobe:
-        layers["specular"] += _glint(mi, scene, bsdf, si, sun, in_lobe, hit)
+        layers["specular"] += _glint(mi, scene, bsdf, si, light, in_lobe, hit, kind)
     return layers | {"hit": _number(mi, hit), "facing": _number(mi, facing), "open": _number(mi, is_open)}
 
 
 @dr.syntax
-def indirect_layer(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any, *, max_scatterings: int) -> Any:
+def indirect_layer(
+    mi: Any, scene: Any, ray: Any, light: dict[str, Any], rng: Any, *, kind: Kind, max_scatterings: int
+) -> Any:
     """Radiance of light that was scattered by at least two surfaces before it reached the camera."""
     ray = mi.Ray3f(ray)
     si = scene.ray_intersect(ray)
@@ -54,7 +59,7 @@ def indirect_layer(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any,
     throughput = mi.Float(1.0)
     radiance = mi.Float(0.0)
     scatterings = mi.UInt32(1)
-    while active & (scatterings < max_scatterings):
+    while dr.hint(active & (scatterings < max_scatterings), exclude=[kind]):
         bsdf = si.bsdf(ray)
         u = mi.Point2f(rng.next_float32(), rng.next_float32())
         sample, value = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u, active)
@@ -63,35 +68,45 @@ def indirect_layer(mi: Any, scene: Any, ray: Any, sun: dict[str, Any], rng: Any,
         ray = si.spawn_ray(si.to_world(sample.wo))
         si = scene.ray_intersect(ray, active)
         active &= si.is_valid()
-        radiance += throughput * _sunlit(mi, scene, si, ray, sun, rng, active)
+        radiance += throughput * _lit(mi, scene, si, ray, light, rng, active, kind)
         scatterings += 1
     return radiance
 
 
-def _sunlit(mi: Any, scene: Any, si: Any, ray: Any, sun: dict[str, Any], rng: Any, active: Any) -> Any:
-    """Radiance that the surface at ``si`` sends back along ``ray`` in the sun's light, by next-event estimation alone."""
-    to_sun = sample_sun(mi, dr, sun, mi.Point2f(rng.next_float32(), rng.next_float32()))
+def _lit(mi: Any, scene: Any, si: Any, ray: Any, light: dict[str, Any], rng: Any, active: Any, kind: Kind) -> Any:
+    """Radiance that the surface at ``si`` sends back along ``ray`` in the light, by next-event estimation alone."""
+    u = mi.Point2f(rng.next_float32(), rng.next_float32())
     if _is_off(active):
         return 0.0
-    facing = active & (dr.dot(si.n, to_sun) > 0)
-    is_open = facing & (scene.ray_test(si.spawn_ray(to_sun), facing) ^ True)
-    value = si.bsdf(ray).eval(mi.BSDFContext(), si, si.to_local(to_sun), is_open)
-    return dr.select(is_open, _first(value) * sun_weight(sun), 0.0)
+    to = sample_light(mi, dr, kind, light, si.p, u)
+    facing = active & (dr.dot(si.n, to.direction) > 0)
+    is_open = facing & (scene.ray_test(_towards(si, to), facing) ^ True)
+    value = si.bsdf(ray).eval(mi.BSDFContext(), si, si.to_local(to.direction), is_open)
+    return dr.select(is_open, _first(value) * to.weight, 0.0)
 
 
-def _glint(mi: Any, scene: Any, bsdf: Any, si: Any, sun: dict[str, Any], in_lobe: tuple[Any, Any], hit: Any) -> Any:
+def _glint(
+    mi: Any, scene: Any, bsdf: Any, si: Any, light: dict[str, Any], in_lobe: tuple[Any, Any], hit: Any, kind: Kind
+) -> Any:
     """Specular direct light found by sampling the surface's lobes: the other half of the power heuristic."""
     u, which_lobe = in_lobe
     sample, _ = bsdf.sample(mi.BSDFContext(), si, which_lobe, u, hit)
     direction = si.to_world(sample.wo)
-    lucky = hit & sees_sun(dr, sun, direction) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
+    radiance, density, distance = light_along(mi, dr, kind, light, si.p, direction)
+    lucky = hit & (density > 0) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
     if _is_off(lucky):
         return 0.0
-    lucky = lucky & (scene.ray_test(si.spawn_ray(direction), lucky) ^ True)
+    ray = si.spawn_ray(direction)
+    ray.maxt = dr.minimum(ray.maxt, distance * (1 - _SHADOW_EPSILON))
+    lucky = lucky & (scene.ray_test(ray, lucky) ^ True)
     diffuse, total = _lobes(mi, bsdf, si, sample.wo, lucky)
-    radiance = sun_weight(sun) * sun_density(dr, sun)
-    weight = _power(sample.pdf, sun_density(dr, sun)) / sample.pdf
+    weight = _power(sample.pdf, density) / sample.pdf
     return dr.select(lucky, (total - diffuse) * radiance * weight, 0.0)
+
+
+def _towards(si: Any, to: Sample) -> Any:
+    """The shadow ray from a surface to the point of the light that was sampled."""
+    return si.spawn_ray(to.direction) if to.point is None else si.spawn_ray_to(to.point)
 
 
 def _lobes(mi: Any, bsdf: Any, si: Any, wo: Any, active: Any) -> tuple[Any, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import drjit as dr
 
+from renderer.emitters import Kind, moved
 from renderer.integrator import direct_layers, indirect_layer
 from renderer.sensor import camera_ray, stratified, turned
 
@@ -28,6 +29,8 @@ class KernelPlan:
     moving: bool
     with_glints: bool
     stratified: bool
+    kind: Kind
+    has_partner: bool
 
 
 @dr.syntax
@@ -39,8 +42,8 @@ def direct_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, 
     hit, facing, unblocked = mi.Float(0), mi.Float(0), mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.direct_samples, exclude=[plan]):
-        ray, sun = _sampled(mi, frame, pixel_index, sample, rng, plan.direct_samples, first_stratum, plan)
-        layers = direct_layers(mi, scene, ray, sun, rng, with_glints=plan.with_glints)
+        ray, light = _sampled(mi, frame, pixel_index, sample, rng, plan.direct_samples, first_stratum, plan)
+        layers = direct_layers(mi, scene, ray, light, rng, kind=plan.kind, with_glints=plan.with_glints)
         diffuse += layers["diffuse"]
         specular += layers["specular"]
         hit += layers["hit"]
@@ -58,14 +61,17 @@ def indirect_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any
     indirect = mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.indirect_samples, exclude=[plan]):
-        ray, sun = _sampled(mi, frame, pixel_index, sample, rng, plan.indirect_samples, first_stratum, plan)
-        indirect += indirect_layer(mi, scene, ray, sun, rng, max_scatterings=plan.max_scatterings)
+        ray, light = _sampled(mi, frame, pixel_index, sample, rng, plan.indirect_samples, first_stratum, plan)
+        indirect += indirect_layer(mi, scene, ray, light, rng, kind=plan.kind, max_scatterings=plan.max_scatterings)
         sample += 1
     return {"indirect": indirect}
 
 
 def geometry_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, plan: KernelPlan) -> dict[str, Any]:
-    """Through each pixel's centre at mid-exposure: z-depth (0 = nothing), normal in camera axes, shape index."""
+    """Through each pixel's centre at mid-exposure: z-depth (0 = nothing), normal in camera axes, shape index.
+
+    With a partner (the other camera of a rig) also ``hidden``: that what is seen here cannot be seen from there.
+    """
     centre = _pixel(mi, frame, pixel_index, plan)
     ray, cos_axis = camera_ray(mi, dr, frame, centre, mi.Float(0), distorted=plan.distorted)
     si = scene.ray_intersect(ray)
@@ -78,7 +84,8 @@ def geometry_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any
     hit = si.is_valid() | again.is_valid()
     normal = frame["rotation"].T @ mi.Vector3f(_either(first, si.n, again.n))
     normal = dr.select(hit, normal, mi.Vector3f(0))
-    return {
+    hidden = _hidden(mi, scene, frame, si, again, first, hit) if plan.has_partner else None
+    return ({} if hidden is None else {"hidden": hidden}) | {
         "z_m": dr.select(hit, _either(first, si.t, again.t) * cos_axis, 0.0),
         "normal.x": normal.x,
         "normal.y": normal.y,
@@ -86,6 +93,20 @@ def geometry_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any
         "shape": _either(first, si.shape, again.shape),
         "hit": hit,
     }
+
+
+def _hidden(mi: Any, scene: Any, frame: dict[str, Any], si: Any, again: Any, first: Any, hit: Any) -> Any:
+    """Whether the partner cannot see the point: it looks at the surface's back, or something stands in between."""
+    partner = mi.Point3f(frame["partner"])
+    if isinstance(hit, bool):
+        seen = si if first else again
+        return hit and bool(_turned_away(dr, seen, partner) or scene.ray_test(seen.spawn_ray_to(partner)))
+    blocked = scene.ray_test(si.spawn_ray_to(partner), hit & first) | scene.ray_test(again.spawn_ray_to(partner), hit & ~first)
+    return hit & (blocked | dr.select(first, _turned_away(dr, si, partner), _turned_away(dr, again, partner)))
+
+
+def _turned_away(dr: Any, si: Any, place: Any) -> Any:
+    return dr.dot(si.n, place - si.p) <= 0
 
 
 def _either(mask: Any, one: Any, other: Any) -> Any:
@@ -106,17 +127,17 @@ def _first_stratum(mi: Any, rng: Any, samples: int, plan: KernelPlan) -> Any:
 def _sampled(
     mi: Any, frame: dict[str, Any], pixel_index: Any, sample: Any, rng: Any, samples: int, first_stratum: Any, plan: KernelPlan
 ) -> tuple[Any, dict[str, Any]]:
-    """A ray of one sample, spread over the pixel's area (box filter) and the exposure, and the sun at the ray's instant."""
+    """A ray of one sample, spread over the pixel's area (box filter) and the exposure, and the light at the ray's instant."""
     jitter = mi.Point2f(rng.next_float32(), rng.next_float32())
     place = stratified(mi, sample, samples, jitter) if plan.stratified else jitter
     pixel = _pixel(mi, frame, pixel_index, plan) + mi.Vector2f(place.x - 0.5, place.y - 0.5)
-    tau, sun = mi.Float(0), frame["sun"]
+    tau, light = mi.Float(0), frame["light"]
     if plan.moving:
         stratum = (sample * 37 + first_stratum) % samples  # 37: coprime to every sample count in use
         tau = (mi.Float(stratum) + rng.next_float32()) / samples - 0.5
-        sun = sun | {"direction": dr.normalize(turned(mi, dr, sun["direction"], sun["turn"] * tau))}
+        light = moved(mi, dr, plan.kind, light, light["turn"] * tau, turned, tau)
     ray, _ = camera_ray(mi, dr, frame, pixel, tau, distorted=plan.distorted)
-    return ray, sun
+    return ray, light
 
 
 def _generator(mi: Any, seed: Any, pixel_index: Any) -> Any:

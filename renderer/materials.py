@@ -36,9 +36,10 @@ def bsdf(material: Material, fold: Fold) -> dict[str, Any]:
             }
 
 
-def is_near_mirror(material: Material) -> bool:
-    """Whether a surface needs its own lobe sampled to find the light."""
-    return isinstance(material, Coated | Metal) and material.roughness < NEAR_MIRROR_ROUGHNESS
+def is_near_mirror(material: Material, light_radius_rad: float = 0.0) -> bool:
+    """Whether a surface needs its own lobe sampled to find a light that looks so large (half its angle)."""
+    narrow = max(NEAR_MIRROR_ROUGHNESS, 2 * light_radius_rad)
+    return isinstance(material, Coated | Metal) and material.roughness < narrow
 
 
 def _flat(value: float) -> dict[str, Any]:

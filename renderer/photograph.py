@@ -10,14 +10,17 @@ from scipy.spatial.transform import RigidTransform
 from renderer.detection import FixedPattern, detect, exposure_time_s, fixed_pattern
 from renderer.masks import fractions, light_mask
 from renderer.optics import blurred
+from renderer.partner import outside_of_partner
 from renderer.quality import PRESETS
+from renderer.runner import Layers
 from renderer.sensor import Shutter, exposure_instants_s, longest_exposure_s
-from renderer.session import Layers, Session, View
+from renderer.session import Session, View
 from renderer.window import inside, place_window, survey, target_extent
+from scenes.arrays import Floats
 from scenes.camera import Camera
-from scenes.dataset_frame import pose_columns
 from scenes.detector import AutoExposure
 from scenes.exr import Window
+from scenes.pose_columns import pose_columns
 from scenes.provenance import stream
 from scenes.scenario import Scenario, Scene
 from scenes.solids import bounding_points
@@ -40,19 +43,20 @@ class Photographer:
     def __init__(self, scenario: Scenario, name: str) -> None:
         """Loads the target, finds the window that holds it in all frames, draws the detector's fixed pattern."""
         self._scenario, self._name = scenario, name
-        self._camera: Camera = scenario.cameras[name]
+        self._camera: Camera = scenario.sensors[name]
         self._points = bounding_points(scenario.target)
         self._cam_from_chaser = self._camera.mount.chaser_from_cam.inv()
         self._pattern: FixedPattern = fixed_pattern(self._camera, name, scenario.seed)
         self._survey = survey(scenario, self._camera)
-        light = next(iter(scenario.lights.values()))
+        partner = scenario.partner(name)
+        self._partner: Camera | None = None if partner is None else scenario.sensors[partner]
         self.session = Session(
-            scenario.target,
+            scenario,
             self._camera,
-            light.spectral_irradiance_w_m2_nm,
             PRESETS[scenario.quality],
             self._survey.size,
             moving=self._survey.moves,
+            has_partner=self._partner is not None,
         )
 
     def take(self, scene: Scene) -> Photograph:
@@ -60,10 +64,11 @@ class Photographer:
         rule = self._camera.exposure
         view = self._view(scene, 0.0 if isinstance(rule, AutoExposure) else rule.time_s)
         window = inside(view.window, self._camera)
-        geometry = _cut(self.session.geometry(view), view.window, window)
+        geometry = self._geometry(view, window)
         light, rate = self._exposed(view, window)
         exposure_s = exposure_time_s(self._camera, rate, _on_target(geometry, light))
-        if isinstance(rule, AutoExposure) and self._survey.moves:  # blur belongs to the exposure that was chosen
+        if isinstance(rule, AutoExposure) and (self._survey.moves or any(one.ripple for one in scene.lights)):
+            # Blur and ripple belong to the exposure that was chosen.
             light, rate = self._exposed(view := self._view(scene, exposure_s), window)
         electrons = rate * np.float32(exposure_s)
         rng = stream(self._scenario.seed, scene.frame, f"{self._name}.detector")
@@ -74,6 +79,17 @@ class Photographer:
         kept = {name: layer for name, layer in light.items() if name != "facing"}
         truth = self._truth(scene, view) | fractions(mask) | {"exposure_s": exposure_s}
         return Photograph(pixels, window, {**kept, **geometry, "mask": mask}, truth, exposure_s)
+
+    def _geometry(self, view: View, window: Window) -> Layers:
+        """The geometry layers in ``window``, before a rig with what the other camera does not see."""
+        geometry = _cut(self.session.geometry(view), view.window, window)
+        if self._partner is not None:
+            lens, other = self._camera.intrinsics, self._partner
+            other_from_cam = other.mount.chaser_from_cam.inv() * self._camera.mount.chaser_from_cam
+            beside = outside_of_partner(geometry["z_m"], window, lens, other_from_cam, other.intrinsics)
+            hidden = (geometry.pop("hidden") | beside) & (geometry["part_id"] > 0)
+            geometry["hidden_from_partner"] = hidden.astype(np.uint32)
+        return geometry
 
     def _exposed(self, view: View, window: Window) -> tuple[Layers, NDArray[np.float32]]:
         """Light layers and mean electrons/s in ``window``; what stands beside the picture is blurred in before it is cut off."""
@@ -87,7 +103,16 @@ class Photographer:
         swept = [pose.apply(self._points) for pose in self._poses(scene, longest_exposure_s(self._camera))]
         window = place_window(target_extent(self._camera, np.concatenate(swept)), self._survey.size, self._camera)
         shutter = Shutter.between(*(pose.inv() for pose in self._poses(scene, exposure_s)))
-        return View(shutter, window, scene.lights[0], self._scenario.seed, scene.frame, self._name)
+        power = tuple(light.power_factor(scene.time_s, exposure_s) if exposure_s > 0 else 1.0 for light in scene.lights)
+        return View(
+            shutter, window, scene.lights, self._scenario.seed, scene.frame, self._name, power, self._partner_target(scene)
+        )
+
+    def _partner_target(self, scene: Scene) -> Floats | None:
+        """Where the rig's other camera stands at mid-exposure, target frame."""
+        if self._partner is None:
+            return None
+        return np.asarray(scene.chaser_from_target.inv().apply(self._partner.mount.chaser_from_cam.translation))
 
     def _poses(self, scene: Scene, exposure_s: float) -> list[RigidTransform]:
         """``cam_from_target`` at the opening, the middle and the closing of the shutter."""

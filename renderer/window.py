@@ -59,7 +59,7 @@ def survey(scenario: Scenario, camera: Camera) -> Survey:
 def refuse_fast_spin(scenario: Scenario) -> None:
     """Raises ``UsageError`` where the target turns further within one exposure than the motion blur follows."""
     rate_rad_s = float(np.linalg.norm(scenario.motion.omega_target_rad_s()))
-    for name, camera in scenario.cameras.items():
+    for name, camera in scenario.sensors.items():
         turn_rad = rate_rad_s * longest_exposure_s(camera)
         if turn_rad > _LARGEST_TURN_RAD:
             raise UsageError(

@@ -8,13 +8,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import RigidTransform, Rotation
 
 from scenes.dataset_layout import FRAME_FILE, POSE_COLUMNS, TRUTH_COLUMNS, frame_folder
 from scenes.errors import DatasetError
 from scenes.exr import Window
+from scenes.pose_columns import pose
 from scenes.provenance import readable_json, sha256_of_json
 from scenes.recording import Truth
 
@@ -48,19 +47,6 @@ class FrameRecord:
             norm = math.hypot(*(row[name] for name in POSE_COLUMNS[:4]))
             if not (abs(norm - 1) < 1e-9 and row["qw"] >= 0):
                 raise ValueError(f"the truth of {sensor!r} has quaternion norm {norm}, qw {row['qw']}; see pose_columns")
-
-
-def pose_columns(sensor_from_target: RigidTransform) -> dict[str, float]:
-    """The seven pose columns: unit quaternion with qw ≥ 0, translation in metres."""
-    quaternion = sensor_from_target.rotation.as_quat(canonical=True, scalar_first=True)
-    numbers = np.concatenate([quaternion, sensor_from_target.translation])
-    return {name: float(number) for name, number in zip(POSE_COLUMNS, numbers, strict=True)}
-
-
-def pose(columns: Mapping[str, float]) -> RigidTransform:
-    """``sensor_from_target`` back from the seven pose columns."""
-    numbers = [columns[name] for name in POSE_COLUMNS]
-    return RigidTransform.from_components(numbers[4:], Rotation.from_quat(numbers[:4], scalar_first=True))
 
 
 def frame_json(record: FrameRecord, files: Mapping[str, str]) -> str:

@@ -12,8 +12,10 @@ from scenes.assets import mesh_paths, portable
 from scenes.dataset_layout import FORMAT, MANIFEST, VERSION
 from scenes.errors import DatasetError
 from scenes.intrinsics import Intrinsics
+from scenes.pose_columns import pose, pose_columns
 from scenes.provenance import canonical_json, readable_json, sha256_of_json, software_versions
-from scenes.recording import SensorModel
+from scenes.recording import SensorModel, StereoPair
+from scenes.rig import StereoRig
 from scenes.spec import Spec
 
 SensorName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")]  # it becomes a file name
@@ -145,6 +147,34 @@ def sensor_model(entry: Mapping[str, Any], where: str) -> SensorModel:
         return SensorModel(Intrinsics(**numbers), float(entry["black_dn"]), float(entry["white_dn"]))
     except (KeyError, TypeError, ValueError) as error:
         raise DatasetError(f"{where}: it is no camera calibration ({error!r})") from None
+
+
+def rig_entry(rig: StereoRig, name: str, sensor: str) -> dict[str, Any]:
+    """What a camera's entry of ``Manifest.sensors`` says of its rig: the pair, ``right_from_left`` and F of ideal pixels."""
+    left, right = rig.sensors(name)
+    return {
+        "name": name,
+        "left": left,
+        "right": right,
+        "is_left": sensor == left,
+        "baseline_m": rig.baseline_m,
+        "toe_in_deg": rig.toe_in_deg,
+        "right_from_left": pose_columns(rig.right_from_left),
+        "fundamental_matrix": rig.fundamental_matrix.tolist(),
+    }
+
+
+def stereo_pairs(sensors: Mapping[str, Mapping[str, Any]], where: str = "manifest.json") -> dict[str, StereoPair]:
+    """Rig → pair, back from the entries of ``Manifest.sensors``. Raises ``DatasetError`` naming ``where``."""
+    entries = {name: entry["rig"] for name, entry in sensors.items() if "rig" in entry}
+    try:
+        return {
+            str(rig["name"]): StereoPair(str(rig["left"]), str(rig["right"]), pose(rig["right_from_left"]))
+            for rig in entries.values()
+            if {rig["left"], rig["right"]} <= sensors.keys()
+        }
+    except (KeyError, TypeError, ValueError) as error:
+        raise DatasetError(f"{where}: it holds no stereo calibration ({error!r})") from None
 
 
 def _plain(value: Any) -> Any:

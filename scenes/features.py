@@ -107,6 +107,8 @@ class MarkerFeature(_OnSurface):
 
 
 Feature = Annotated[
-    Annotated[RectangleFeature, Tag("rectangle")] | Annotated[CircleFeature, Tag("circle")] | Annotated[MarkerFeature, Tag("marker")],
+    Annotated[RectangleFeature, Tag("rectangle")]
+    | Annotated[CircleFeature, Tag("circle")]
+    | Annotated[MarkerFeature, Tag("marker")],
     Discriminator(kind_of("rectangle")),
 ]

@@ -2,19 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import numpy as np
-from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag
-from scipy.spatial.transform import RigidTransform, Rotation
+from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
+from scipy.spatial.transform import RigidTransform
 
-from scenes.arrays import Floats, frozen
 from scenes.camera import Camera
 from scenes.config import load
-from scenes.draw import direction, scalar
+from scenes.errors import unknown
 from scenes.light import Light
+from scenes.lighting import SceneLight, scene_light
 from scenes.motion import Motion
-from scenes.provenance import stream
+from scenes.rig import StereoRig
 from scenes.spec import Positive, Spec, kind_of
 from scenes.target import Target
 from scenes.wings import CubeWithWings
@@ -23,7 +22,13 @@ Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_-]{0,40}$")]
 Quality = Literal["reference", "standard", "fast", "draft"]
 
 # Key paths whose value may be the name of a library entry or a file.
-REFERENCES = {"target": "targets", "cameras.*": "cameras", "lights.*": "lights"}
+REFERENCES = {
+    "target": "targets",
+    "cameras.*": "cameras",
+    "rigs.*": "rigs",
+    "rigs.*.camera": "cameras",
+    "lights.*": "lights",
+}
 MATERIAL_REFERENCES = {
     "target.parts.*.material": "materials",
     "target.body_material": "materials",
@@ -53,29 +58,53 @@ class Scenario(Spec):
     rate_hz: Positive = 1.0
     quality: Quality = "standard"
     target: AnyTarget
-    cameras: Annotated[dict[Name, Camera], Field(min_length=1)]
-    lights: Annotated[dict[Name, Light], Field(min_length=1, max_length=1)]
+    cameras: dict[Name, Camera] = Field(default_factory=dict)
+    rigs: dict[Name, StereoRig] = Field(default_factory=dict)
+    lights: Annotated[dict[Name, Light], Field(min_length=1, max_length=8)]
+    key_light: Name | None = None
     motion: Motion
 
+    @model_validator(mode="after")
+    def _has_something_to_see_with(self) -> "Scenario":
+        if not self.cameras and not self.rigs:
+            raise ValueError("a scenario needs at least one entry under cameras or rigs")
+        for name in self.rigs:
+            for sensor in self.rigs[name].sensors(name):
+                if sensor in self.cameras:
+                    raise ValueError(f"rigs.{name} has a camera {sensor!r}, and so has cameras")
+        return self
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SceneLight:
-    """A light of one instant: unit vector to it in both frames, disk half-angle, irradiance on ``BAND_NM`` at the target.
+    @model_validator(mode="after")
+    def _has_a_key_light(self) -> "Scenario":
+        if self.key_light is None and len(self.lights) > 1:
+            raise ValueError(f"key_light must name the one of {', '.join(sorted(self.lights))} whose shadows the masks describe")
+        if self.key_light is not None and self.key_light not in self.lights:
+            raise ValueError(f"key_light: {unknown('light', self.key_light, self.lights)}")
+        return self
 
-    ``fixed_to`` says in which of the two frames the direction stays while the shutter is open.
-    """
+    @property
+    def sensors(self) -> dict[str, Camera]:
+        """Every camera by the name of its pictures: single ones, and those of the rigs as ``<rig>-left``, ``<rig>-right``."""
+        return {**self.cameras, **{sensor: camera for name in sorted(self.rigs) for sensor, camera in self._of_rig(name).items()}}
 
-    name: str
-    fixed_to: Literal["chaser", "target"]
-    direction_chaser: Floats
-    direction_target: Floats
-    half_angle_rad: float
-    spectral_irradiance_w_m2_nm: Floats
+    @property
+    def light_names(self) -> tuple[str, ...]:
+        """The key light, then the others by name. What is said of shadows is said of the first."""
+        key = self.key_light or next(iter(self.lights))
+        return (key, *sorted(self.lights.keys() - {key}))
+
+    def partner(self, sensor: str) -> str | None:
+        """The other camera of the rig that ``sensor`` belongs to, None for a single camera."""
+        pairs = [tuple(self._of_rig(name)) for name in self.rigs]
+        return next((one if sensor == other else other for one, other in pairs if sensor in (one, other)), None)
+
+    def _of_rig(self, name: str) -> dict[str, Camera]:
+        return self.rigs[name].sensors(name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """One instant: ``chaser_from_target`` at mid-exposure, the motion around it, the lights.
+    """One instant: ``chaser_from_target`` at mid-exposure, the motion around it, the lights (the key light first).
 
     ``pose_at(time_s)`` gives ``chaser_from_target`` at any time near the frame's own (for shutter opening and closing).
     """
@@ -97,7 +126,7 @@ def realize(scenario: Scenario, seed: int, frame: int) -> Scene:
     """One instant of ``scenario``: every draw made from the streams of (seed, frame)."""
     time_s = frame / scenario.rate_hz
     pose = scenario.motion.chaser_from_target(time_s, frame, seed)
-    lights = tuple(_light(name, light, pose.rotation, seed, frame) for name, light in scenario.lights.items())
+    lights = tuple(scene_light(name, scenario.lights[name], pose, seed, frame) for name in scenario.light_names)
     return Scene(
         frame=frame,
         time_s=time_s,
@@ -107,16 +136,3 @@ def realize(scenario: Scenario, seed: int, frame: int) -> Scene:
         lights=lights,
     )
 
-
-def _light(name: str, light: Light, chaser_from_target: Rotation, seed: int, frame: int) -> SceneLight:
-    towards = direction(light.direction, stream(seed, frame, f"lights.{name}.direction"))
-    distance_au = scalar(light.distance_au, stream(seed, frame, f"lights.{name}.distance_au"))
-    in_chaser = towards if light.frame == "chaser" else chaser_from_target.apply(towards)
-    return SceneLight(
-        name=name,
-        fixed_to=light.frame,
-        direction_chaser=frozen(in_chaser),
-        direction_target=frozen(chaser_from_target.inv().apply(in_chaser)),
-        half_angle_rad=float(np.arcsin(np.sin(np.radians(light.half_angle_deg)) / distance_au)),
-        spectral_irradiance_w_m2_nm=frozen(light.spectral_irradiance_w_m2_nm / distance_au**2),
-    )

@@ -21,7 +21,7 @@ def test_a_white_sphere_scatters_what_lambert_says(phase_deg: float):
     sun = {"direction": (np.sin(phase), 0.0, -np.cos(phase))}
     studio = Studio(scenario([ball], camera(96, 96, 80000.0), still(2000.0), sun=sun), Preset(64, 16, denoise_indirect=False))
     layers = studio.session.radiance(studio.view())
-    irradiance = band_irradiance(studio.scene().lights[0].spectral_irradiance_w_m2_nm)
+    irradiance = band_irradiance(studio.scene().lights[0].irradiance_w_m2_nm)
     intensity = direct(layers).sum() / 80000.0**2 * 2000.0**2
     by_hand = irradiance / np.pi * 2 / 3 * (np.sin(phase) + (np.pi - phase) * np.cos(phase))
     assert intensity == pytest.approx(by_hand, rel=0.004)  # a sphere of 82 000 triangles seen from 2000 radii
@@ -43,7 +43,7 @@ def test_an_integrating_sphere_sums_its_geometric_series(reflectance: float, tmp
     inner = (layers["coverage"] == 1) & ~lit
     inner &= _within(inner.shape, 1200.0 * opening_radius / 21.0 - 2)
     assert inner.sum() > 300
-    flux = band_irradiance(studio.scene().lights[0].spectral_irradiance_w_m2_nm) * np.pi * opening_radius**2 * np.cos(0.12)
+    flux = band_irradiance(studio.scene().lights[0].irradiance_w_m2_nm) * np.pi * opening_radius**2 * np.cos(0.12)
     q = reflectance * (1 - opening_share)
     first = reflectance * flux / (4 * np.pi) * reflectance / np.pi
     assert layers["indirect"][inner].mean() == pytest.approx(first * (1 + q + q**2 + q**3), rel=0.01)

@@ -24,9 +24,9 @@ def _plate(roughness: float, samples: int = 256) -> Studio:
 def _expected(studio: Studio, roughness: float) -> Floats:
     """Radiance (h, w) of GGX with Smith's masking and exact conductor Fresnel, averaged over each pixel and the disk."""
     light = studio.scene().lights[0]
-    radiance = band_irradiance(light.spectral_irradiance_w_m2_nm) / (np.pi * np.sin(light.half_angle_rad) ** 2)
-    sun = _disk(light.direction_target, light.half_angle_rad)
-    solid_angle = 2 * np.pi * (1 - np.cos(light.half_angle_rad)) / len(sun)
+    radiance = band_irradiance(light.irradiance_w_m2_nm) / (np.pi * np.sin(light.emitter.half_angle_rad) ** 2)
+    sun = _disk(light.direction_target, light.emitter.half_angle_rad)
+    solid_angle = 2 * np.pi * (1 - np.cos(light.emitter.half_angle_rad)) / len(sun)
     offsets = (np.arange(4) - 1.5) / 4
     total = np.zeros((SIZE, SIZE))
     rows, columns = np.mgrid[0:SIZE, 0:SIZE].astype(float)
@@ -95,7 +95,7 @@ def test_all_the_light_that_a_mirror_gets_leaves_it():
     # α = 0.001: 99.7 % of the lobe ends within the picture, and there is no other place for the light to go.
     studio = _plate(0.001)
     layers = studio.session.radiance(studio.view())
-    irradiance = band_irradiance(studio.scene().lights[0].spectral_irradiance_w_m2_nm)
+    irradiance = band_irradiance(studio.scene().lights[0].irradiance_w_m2_nm)
     fresnel = ((N - 1) ** 2 + K**2) / ((N + 1) ** 2 + K**2)
     reflected = layers["direct_specular"].astype(float).sum() / F_PX**2
     assert 0.985 * irradiance * fresnel < reflected < 1.003 * irradiance * fresnel
@@ -104,7 +104,7 @@ def test_all_the_light_that_a_mirror_gets_leaves_it():
 
 def test_sampling_the_lobe_quietens_a_near_mirror():
     studio = _plate(0.002, samples=16)
-    assert studio.session._plan.with_glints
+    assert studio.session.plans[0].with_glints
     stack = np.array([layers["direct_specular"] for layers in studio.repeats(studio.view(), range(16))])
     bright = stack.mean(axis=0) > 0.2 * stack.mean(axis=0).max()
     # Light samples alone leave 0.235 of the mean at 16 samples, and there is no saying what at α = 0.001.

@@ -33,9 +33,10 @@ def blurred_and_mean() -> tuple[Floats, Floats, Floats]:
             instant_s = ((step + 0.5) / SUB_FRAMES - 0.5) * EXPOSURE_S
             pose = sharp.scene().pose_at(instant_s).inv()  # this camera's axes are the chaser's
             # The sun stands still before the chaser, so it turns in the target's frame.
-            towards = pose.rotation.apply(np.array(view.light.direction_chaser))
-            light = replace(view.light, direction_target=towards)
-            still_view = replace(view, light=light, shutter=Shutter.between(pose, pose, pose), seed=1000 * series + step)
+            sun = view.lights[0]
+            towards = pose.rotation.apply(np.array(sun.direction_chaser))
+            light = replace(sun, direction_target=towards, emitter=replace(sun.emitter, direction_target=towards))
+            still_view = replace(view, lights=(light,), shutter=Shutter.between(pose, pose, pose), seed=1000 * series + step)
             pictures.append(direct(sharp.session.radiance(still_view)))
         means.append(np.mean(pictures, axis=0))
     return stack, means[0], means[1]

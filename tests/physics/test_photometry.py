@@ -49,7 +49,7 @@ def test_a_wide_band_counts_photons_not_joules():
     # Flat efficiency 0.5 from 300 to 1100 nm: ∫ E λ dλ / (hc), summed in steps of 1 nm over E490-00a's values at 100 nm.
     nodes_nm = np.arange(300.0, 1101.0, 20.0)
     studio_sun = scenario([box((1, 1, 1))], camera()).lights["sun"]
-    table = np.interp(nodes_nm, np.arange(300.0, 1101.0, 5.0), studio_sun.spectral_irradiance_w_m2_nm)
+    table = np.interp(nodes_nm, np.arange(300.0, 1101.0, 5.0), studio_sun.spectrum)
     known = {400: 1.419, 500: 1.930, 600: 1.771, 700: 1.415, 800: 1.132, 900: 0.926, 1000: 0.744, 1100: 0.594}
     assert {nm: round(float(table[nodes_nm == nm][0]), 3) for nm in known} == known
     fine_nm = np.arange(300.0, 1100.5, 1.0)
@@ -80,7 +80,7 @@ def test_a_materials_number_is_weighted_with_photons():
     rising = {"wavelength_nm": (300.0, 1100.0), "value": (0.0, 1.0)}
     paint = {"type": "paint", "source": "test", "reflectance": rising}
     nm = np.arange(300.0, 1101.0, 5.0)
-    sun = scenario([box((1, 1, 1))], camera()).lights["sun"].spectral_irradiance_w_m2_nm
+    sun = scenario([box((1, 1, 1))], camera()).lights["sun"].spectrum
     by_hand = np.sum(sun * nm * (nm - 300) / 800) / np.sum(sun * nm)
     assert np.sum(sun * (nm - 300) / 800) / np.sum(sun) < 0.95 * by_hand
     white = _plate_electrons(material=LAMBERT | {"reflectance": 1.0})

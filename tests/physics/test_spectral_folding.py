@@ -50,7 +50,7 @@ PAIRS = [(_unit(wi), _unit(wo)) for wi, wo in DIRECTIONS]
 def fold() -> Photometry:
     """The paper's camera in the sun."""
     case = load_scenario("zhai2014-in-plane")
-    return photometry(case.cameras["nav"], case.lights["sun"].spectral_irradiance_w_m2_nm)
+    return photometry(case.cameras["nav"], case.lights["sun"].spectrum)
 
 
 def _materials() -> dict[str, Material]:

@@ -10,9 +10,9 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from benchmark.predictions import COLUMNS
 from estimators.api import Outcome
 from renderer.masks import Light
-from scenes.dataset_frame import pose_columns
 from scenes.dataset_layout import TRUTH_COLUMNS
 from scenes.motion import CHASER_FROM_PAPER, AxisSweep
+from scenes.pose_columns import pose_columns
 from scenes.scenario import load_scenario
 
 QUARTER_DEG = 30.0

@@ -23,12 +23,12 @@ class MitsubaPath:
 
         self._mi = mi
         fold = photometry(studio.camera, studio.spectrum).effective
-        irradiance = band_irradiance(view.light.spectral_irradiance_w_m2_nm)
+        irradiance = band_irradiance(view.lights[0].irradiance_w_m2_nm)
         parts = zip(studio.scenario.target.parts, solids(studio.scenario.target))
         shapes = {f"part{i}": _mesh(mi, solid, bsdf(part.material, fold)) for i, (part, solid) in enumerate(parts)}
         sun = {
             "type": "directional",
-            "direction": (-view.light.direction_target).tolist(),
+            "direction": (-view.lights[0].direction_target).tolist(),
             "irradiance": {"type": "uniform", "value": irradiance},
         }
         scene = {"type": "scene", "sensor": _sensor(mi, studio, view), "sun": sun, **shapes}

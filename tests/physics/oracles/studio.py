@@ -11,8 +11,9 @@ from scipy.spatial.transform import RigidTransform
 from renderer.optics import blurred
 from renderer.photometry import photometry
 from renderer.quality import PRESETS, Preset
+from renderer.runner import Layers
 from renderer.sensor import Shutter
-from renderer.session import Layers, Session, View
+from renderer.session import Session, View
 from renderer.window import place_window, survey, target_extent
 from scenes.camera import Camera
 from scenes.exr import Window
@@ -59,18 +60,17 @@ class Studio:
     ) -> None:
         """``size`` of the window, which sits in the picture's middle; left out, the whole picture is rendered."""
         self.scenario = scenario
-        self.name, self.camera = next(iter(scenario.cameras.items()))
+        self.name, self.camera = next(iter(scenario.sensors.items()))
         width, height = size or (self.camera.width_px, self.camera.height_px)
         corner = ((self.camera.width_px - width) // 2, (self.camera.height_px - height) // 2)
         self.window = Window(*corner, width, height)
-        self.spectrum = next(iter(scenario.lights.values())).spectral_irradiance_w_m2_nm
-        quality = preset or PRESETS[scenario.quality]
-        self.session = Session(scenario.target, self.camera, self.spectrum, quality, (width, height), moving=moving)
+        self.spectrum = scenario.lights[scenario.light_names[0]].spectrum
+        self.session = Session(scenario, self.camera, preset or PRESETS[scenario.quality], (width, height), moving=moving)
 
     @classmethod
     def following(cls, scenario: Scenario, preset: Preset | None = None) -> "Studio":
         """With the window's size as the product chooses it."""
-        return cls(scenario, preset, size=survey(scenario, next(iter(scenario.cameras.values()))).size)
+        return cls(scenario, preset, size=survey(scenario, next(iter(scenario.sensors.values()))).size)
 
     def scene(self, frame: int = 0) -> Scene:
         """One instant of the scenario."""
@@ -86,7 +86,7 @@ class Studio:
         cam_from_chaser = self.camera.mount.chaser_from_cam.inv()
         instants = (-exposure_s / 2, 0.0, exposure_s / 2)
         shutter = Shutter.between(*((cam_from_chaser * scene.pose_at(scene.time_s + at)).inv() for at in instants))
-        return View(shutter, window or self._placed(frame), scene.lights[0], seed, frame, self.name)
+        return View(shutter, window or self._placed(frame), scene.lights, seed, frame, self.name)
 
     def _placed(self, frame: int) -> Window:
         size = (self.window.width_px, self.window.height_px)

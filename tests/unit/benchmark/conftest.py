@@ -12,13 +12,13 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from estimators.api import Estimate, Outcome
 from scenes.dataset import Dataset
-from scenes.dataset_frame import pose_columns
 from scenes.dataset_layout import TRUTH_COLUMNS
 from scenes.dataset_manifest import Manifest, calibration
 from scenes.dataset_writer import DatasetWriter, FrameRecord
 from scenes.features import RectangleFeature
 from scenes.intrinsics import Intrinsics
 from scenes.motion import AxisSweep
+from scenes.pose_columns import pose_columns
 from scenes.recording import Knowledge, Observation, SensorModel
 
 SIZE = (160, 120)

@@ -13,7 +13,7 @@ from scenes.spectrum import BAND_NM, Spectrum
 def paper() -> tuple[Camera, np.ndarray]:
     """The paper's camera and the sun's spectrum."""
     case = load_scenario("zhai2014-in-plane")
-    return case.cameras["nav"], case.lights["sun"].spectral_irradiance_w_m2_nm
+    return case.cameras["nav"], case.lights["sun"].spectrum
 
 
 def test_a_flat_material_keeps_its_number(paper: tuple[Camera, np.ndarray]):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from renderer.runner import _device_constants
 from renderer.sensor import Shutter, camera_ray, lens_constants, stratified
-from renderer.session import _device_constants
 from renderer.variant import activate
 from scenes.arrays import Floats
 from scenes.intrinsics import Intrinsics

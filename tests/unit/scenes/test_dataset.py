@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from scenes.dataset import Dataset
-from scenes.dataset_frame import FrameRecord, pose_columns
+from scenes.dataset_frame import FrameRecord
 from scenes.dataset_layout import TRUTH_COLUMNS
 from scenes.dataset_verify import verify
 from scenes.errors import DatasetError
+from scenes.pose_columns import pose_columns
 from scenes.provenance import readable_json, sha256_of_json
 
 FRAME = 9

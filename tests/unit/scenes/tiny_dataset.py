@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from scenes.dataset_frame import FrameRecord, pose_columns
+from scenes.dataset_frame import FrameRecord
 from scenes.dataset_layout import TRUTH_COLUMNS
 from scenes.dataset_manifest import Manifest, calibration
 from scenes.dataset_writer import DatasetWriter
 from scenes.intrinsics import Intrinsics
+from scenes.pose_columns import pose_columns
 from scenes.recording import SensorModel
 
 WIDTH, HEIGHT = 48, 32

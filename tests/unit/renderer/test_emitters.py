@@ -1,14 +1,17 @@
-"""The sun as formulas, sampled in float32: cone, density and weight at every distance."""
+"""Lights as formulas, sampled in float32: cone, density and weight of a disk at every distance."""
 
 import numpy as np
 import pytest
 
-from renderer.session import _device_constants
-from renderer.sunlight import sample_sun, sees_sun, sun_constants, sun_density, sun_weight
+from renderer.emitters import Kind, disk_density, disk_weight, emitter_constants, sample_light, sees_disk
+from renderer.runner import _device_constants
 from renderer.variant import activate
 from scenes.arrays import Floats
+from scenes.emitter import DistantDisk
+from scenes.spectrum import BAND_NM
 
 DIRECTION = np.array([0.35, -0.5, -0.8]) / np.linalg.norm([0.35, -0.5, -0.8])
+FLAT = np.full(BAND_NM.shape, 1000.0 / 800.0)  # 1000 W/m2 from 300 to 1100 nm
 HALF_ANGLES = [pytest.param(np.radians(0.2666) / au, id=f"{au} au") for au in (0.1, 1.0, 5.2, 30.0)]
 
 
@@ -22,7 +25,7 @@ def variant() -> None:
 def _sun(half_angle: float) -> dict:
     import mitsuba as mi
 
-    return _device_constants(mi, sun_constants(DIRECTION, np.zeros(3), half_angle, 1000.0))
+    return _device_constants(mi, emitter_constants(DistantDisk(DIRECTION, half_angle, FLAT), np.zeros(3), np.zeros(3), 1.0))
 
 
 def _samples(half_angle: float, count: int = 200_000) -> Floats:
@@ -30,7 +33,7 @@ def _samples(half_angle: float, count: int = 200_000) -> Floats:
     import mitsuba as mi
 
     u = np.random.default_rng(0).random((2, count)).astype(np.float32)
-    return np.array(sample_sun(mi, dr, _sun(half_angle), mi.Point2f(u))).T.astype(np.float64)
+    return np.array(sample_light(mi, dr, Kind(), _sun(half_angle), None, mi.Point2f(u)).direction).T.astype(np.float64)
 
 
 @pytest.mark.parametrize("half_angle", HALF_ANGLES)
@@ -55,8 +58,8 @@ def test_weight_and_density_make_the_irradiance(half_angle: float):
     sun = _sun(half_angle)
     radiance = 1000.0 / (np.pi * np.sin(half_angle) ** 2)
     solid_angle = 4 * np.pi * np.sin(half_angle / 2) ** 2
-    assert float(np.array(sun_weight(sun))[0]) == pytest.approx(radiance * solid_angle, rel=1e-6)
-    assert float(np.array(sun_density(dr, sun))[0]) == pytest.approx(1 / solid_angle, rel=1e-6)
+    assert float(np.array(disk_weight(sun))[0]) == pytest.approx(radiance * solid_angle, rel=1e-6)
+    assert float(np.array(disk_density(dr, sun))[0]) == pytest.approx(1 / solid_angle, rel=1e-6)
 
 
 @pytest.mark.parametrize("half_angle", HALF_ANGLES)
@@ -68,7 +71,7 @@ def test_a_direction_sees_the_sun_exactly_within_its_disk(half_angle: float):
     helper /= np.linalg.norm(helper)
     angles = np.linspace(0, 2, 401) * half_angle
     rays = np.cos(angles)[:, None] * DIRECTION + np.sin(angles)[:, None] * helper
-    seen = np.array(sees_sun(dr, _sun(half_angle), mi.Vector3f(rays.T.astype(np.float32))))
+    seen = np.array(sees_disk(dr, _sun(half_angle), mi.Vector3f(rays.T.astype(np.float32))))
     grain = 2e-7 / half_angle + 0.003
     assert seen[angles < half_angle * (1 - grain)].all()
     assert not seen[angles > half_angle * (1 + grain)].any()

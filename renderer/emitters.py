@@ -1,0 +1,191 @@
+"""Lights that exist only in formulas: a disk at infinity, or flat patches nearby.
+
+They never hide anything, never enter the id mask, are not seen by the camera directly, and move for free. What holds of a
+recorded kernel is a ``Kind``; what changes from frame to frame are the constants.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from scenes.emitter import DistantDisk, Emitter, Patches
+from scenes.spectrum import band_irradiance
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What a kernel bakes in: ``patches`` = 0 for a disk at infinity, else their number; ``is_round``: their shape."""
+
+    patches: int = 0
+    is_round: bool = False
+
+    @classmethod
+    def of(cls, emitter: Emitter) -> "Kind":
+        """The kind of a light of one instant."""
+        return cls() if isinstance(emitter, DistantDisk) else cls(len(emitter.centres_target), emitter.is_round)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """A point of the light as seen from a surface: unit ``direction`` to it, ``weight`` = radiance over sampling density.
+
+    ``density``: of that sampling, per steradian. ``point``: where the light was met; None at infinity.
+    """
+
+    direction: Any
+    weight: Any
+    density: Any
+    point: Any
+
+
+def emitter_constants(emitter: Emitter, turn_rad: Any, drift_m: Any, power: float) -> dict[str, Any]:
+    """A light as plain numbers for the kernel, its in-band power multiplied by ``power``.
+
+    ``turn_rad``, ``drift_m``: how it turns about and moves past the target within an exposure, see ``renderer.sensor.Shutter``.
+    ``versine`` = 1 − cos α = 2 sin²(α/2) stands for a disk's half-angle α: it is small (1e-5 at 1 au, 1e-8 at 30 au), and the
+    cosine itself has only a few float32 steps, then none, left below one.
+    """
+    moving = {"turn": np.asarray(turn_rad), "drift": np.asarray(drift_m)}
+    if isinstance(emitter, DistantDisk):
+        versine = 2 * math.sin(emitter.half_angle_rad / 2) ** 2
+        irradiance = power * band_irradiance(emitter.irradiance_w_m2_nm)
+        return moving | {"direction": emitter.direction_target, "versine": versine, "irradiance": irradiance}
+    low, high = math.cos(emitter.outer_rad), math.cos(emitter.inner_rad)
+    return moving | {
+        "radiance": power * band_irradiance(emitter.radiance_w_m2_sr_nm),
+        "cos_outer": low,
+        "beam_edge": max(high - low, 1e-6),
+        **{str(index): _patch(emitter, index) for index in range(len(emitter.centres_target))},
+    }
+
+
+def apparent_radius_rad(emitter: Emitter) -> float:
+    """Half the angle under which the target's origin sees the light, for patches that of the largest one."""
+    if isinstance(emitter, DistantDisk):
+        return emitter.half_angle_rad
+    distance_m = np.linalg.norm(emitter.centres_target, axis=1)
+    return float(np.arctan(np.sqrt(emitter.areas_m2 / np.pi) / np.maximum(distance_m, 1e-6)).max())
+
+
+def _patch(patches: Patches, index: int) -> dict[str, Any]:
+    return {
+        "centre": patches.centres_target[index],
+        "u": patches.u_target[index],
+        "v": patches.v_target[index],
+        "normal": patches.normals_target[index],
+        "area": float(patches.areas_m2[index]),
+    }
+
+
+def sample_light(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, u: Any) -> Sample:
+    """A direction from ``origin`` to the light from two uniform numbers ``u``: uniform in solid angle or area."""
+    return _sample_patches(mi, dr, kind, light, origin, u) if kind.patches else _sample_disk(mi, dr, light, u)
+
+
+def light_along(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, direction: Any) -> tuple[Any, Any, Any]:
+    """What a ray from ``origin`` along the unit vector ``direction`` meets if nothing stands in between.
+
+    Radiance, the density with which ``sample_light`` finds it (per steradian; both 0 beside the light), and the distance.
+    """
+    if not kind.patches:
+        hit = sees_disk(dr, light, direction)
+        density = disk_density(dr, light)
+        return dr.select(hit, disk_weight(light) * density, 0.0), dr.select(hit, density, 0.0), mi.Float(dr.inf)
+    radiance, density, distance = mi.Float(0), mi.Float(0), mi.Float(dr.inf)
+    for index in range(kind.patches):
+        met, cosine, away = _meets(mi, dr, kind, light[str(index)], origin, direction)
+        radiance = dr.select(met, light["radiance"] * _beam(dr, light, cosine), radiance)
+        density = dr.select(met, away * away / (cosine * light[str(index)]["area"] * kind.patches), density)
+        distance = dr.select(met, away, distance)
+    return radiance, density, distance
+
+
+def moved(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], turn: Any, turned: Any, tau: Any) -> dict[str, Any]:
+    """The light at the relative instant ``tau`` of an exposure: turned about the target, near ones moved past it as well.
+
+    ``turned(mi, dr, vector, rotation_vector)`` rotates.
+    """
+    if not kind.patches:
+        return light | {"direction": dr.normalize(turned(mi, dr, light["direction"], turn))}
+    names = [str(index) for index in range(kind.patches)]
+    return light | {name: _moved_patch(mi, dr, light[name], light["drift"] * tau, turn, turned) for name in names}
+
+
+def _moved_patch(mi: Any, dr: Any, patch: dict[str, Any], drift_m: Any, turn: Any, turned: Any) -> dict[str, Any]:
+    axes = {name: turned(mi, dr, patch[name], turn) for name in ("u", "v", "normal")}
+    return axes | {"area": patch["area"], "centre": turned(mi, dr, patch["centre"] + drift_m, turn)}
+
+
+def _sample_disk(mi: Any, dr: Any, disk: dict[str, Any], u: Any) -> Sample:
+    versine = u.x * disk["versine"]
+    sin_theta = dr.safe_sqrt(versine * (2 - versine))
+    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u.y)
+    frame = mi.Frame3f(disk["direction"])
+    direction = frame.to_world(mi.Vector3f(sin_theta * cos_phi, sin_theta * sin_phi, 1 - versine))
+    return Sample(direction, disk_weight(disk), disk_density(dr, disk), None)
+
+
+def disk_weight(disk: dict[str, Any]) -> Any:
+    """Radiance over sampling density of a disk at infinity: L·Ω = E · 2 / (1 + cos α).
+
+    A uniform disk of half-angle α and normal irradiance E has L = E / (π sin² α) and fills Ω = 2π (1 − cos α).
+    """
+    return disk["irradiance"] * 2 / (2 - disk["versine"])
+
+
+def sees_disk(dr: Any, disk: dict[str, Any], direction: Any) -> Any:
+    """Whether a ray along the unit vector ``direction`` that meets nothing would end on the disk: chord² < 2 (1 − cos α)."""
+    return dr.squared_norm(direction - disk["direction"]) < 2 * disk["versine"]
+
+
+def disk_density(dr: Any, disk: dict[str, Any]) -> Any:
+    """Probability density of the disk's sampling per steradian, 1 / Ω."""
+    return 1 / (2 * dr.pi * disk["versine"])
+
+
+def _sample_patches(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, u: Any) -> Sample:
+    """One of the patches, then a point uniform on it: density = d² / (n A cos θ) per steradian (Veach 1997, eq. 8.2)."""
+    chosen = mi.UInt32(dr.minimum(u.x * kind.patches, kind.patches - 0.5))
+    place = _on_patch(mi, dr, kind, mi.Point2f(u.x * kind.patches - mi.Float(chosen), u.y))
+    point, normal, area = mi.Point3f(0), mi.Vector3f(0), mi.Float(0)
+    for index in range(kind.patches):
+        patch, here = light[str(index)], chosen == index
+        point = dr.select(here, mi.Point3f(patch["centre"] + patch["u"] * place.x + patch["v"] * place.y), point)
+        normal = dr.select(here, mi.Vector3f(patch["normal"]), normal)
+        area = dr.select(here, mi.Float(patch["area"]), area)
+    towards = mi.Vector3f(point - origin)
+    square = dr.maximum(dr.squared_norm(towards), 1e-12)
+    direction = towards * dr.rsqrt(square)
+    cosine = -dr.dot(direction, normal)
+    lit = dr.maximum(cosine, 0.0)
+    weight = light["radiance"] * _beam(dr, light, cosine) * lit * area * kind.patches / square
+    density = square / (dr.maximum(lit, 1e-6) * area * kind.patches)
+    return Sample(direction, weight, density, point)
+
+
+def _on_patch(mi: Any, dr: Any, kind: Kind, u: Any) -> Any:
+    """A place (−1..1)² on a patch, in units of its half axes, uniform in area."""
+    if not kind.is_round:
+        return mi.Point2f(2 * u.x - 1, 2 * u.y - 1)
+    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u.y)
+    radius = dr.safe_sqrt(u.x)
+    return mi.Point2f(radius * cos_phi, radius * sin_phi)
+
+
+def _meets(mi: Any, dr: Any, kind: Kind, patch: dict[str, Any], origin: Any, direction: Any) -> tuple[Any, Any, Any]:
+    """Whether a ray meets the shining side of a patch, the cosine there and the distance."""
+    cosine = -dr.dot(direction, patch["normal"])
+    away = -dr.dot(mi.Vector3f(patch["centre"] - origin), patch["normal"]) / dr.select(cosine > 1e-6, cosine, 1.0)
+    across = mi.Vector3f(origin + direction * away - patch["centre"])
+    a = dr.dot(across, patch["u"]) / dr.squared_norm(patch["u"])
+    b = dr.dot(across, patch["v"]) / dr.squared_norm(patch["v"])
+    within = a * a + b * b < 1 if kind.is_round else (abs(a) < 1) & (abs(b) < 1)
+    return (cosine > 1e-6) & (away > 0) & within, cosine, away
+
+
+def _beam(dr: Any, light: dict[str, Any], cosine: Any) -> Any:
+    """The beam's relative radiance, see ``scenes.emitter.beam_profile``."""
+    step = dr.clip((cosine - light["cos_outer"]) / light["beam_edge"], 0.0, 1.0)
+    return step * step * (3 - 2 * step)
