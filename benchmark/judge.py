@@ -10,15 +10,19 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from benchmark import metrics, symmetry
-from benchmark.angles import ANGLE_NAMES, angle_of_axis, paper_angles, wrapped
+from benchmark import ring_scores, symmetry
+from benchmark.angles import angle_of_axis
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
-from benchmark.predictions import QUATERNION, TRANSLATION, Predictions
+from benchmark.pose_errors import attitude_errors, position_errors
+from benchmark.predictions import Predictions, positions
 from benchmark.records import KnowledgeRecord
+from benchmark.ring_subject import LABELLING, RingSubject, subject_of
+from benchmark.ring_summary import ring_summary
 from benchmark.summary import Summary, figures
 from scenes.dataset import Dataset
 from scenes.errors import unknown
+from scenes.features import RectangleFeature
 
 SCORES, SUMMARY = "scores.parquet", "summary.json"
 # What the truth table says of a frame's light and view; kept beside the errors so that studies can ask what drove them.
@@ -44,15 +48,18 @@ def judge(predictions: Predictions, dataset: Dataset, settle_s: float = 0.0) -> 
     """
     refuse_strangers(predictions, dataset)
     knowledge, scenario = predictions.record.knowledge, dataset.manifest.scenario
-    group, swept = symmetry_of(knowledge, scenario), swept_angle(scenario)
+    ring, swept = subject_of(knowledge, dataset), swept_angle(scenario)
+    group = LABELLING if ring is not None else symmetry_of(knowledge, scenario)
     tables, summaries = [], []
     for sensor in dict.fromkeys(predictions.table["sensor"]):
-        scores, switches = _track(predictions, dataset, str(sensor), group)
+        scores, switches = _track(predictions, dataset, str(sensor), group, ring)
         settled = scores[scores["time_s"] >= scores["time_s"].min() + settle_s]
         if settled.empty:
             raise PredictionsError(f"the first {settle_s:g} s are not judged, and {dataset.path} has no frame after them")
         fields = figures(settled, swept) | {"label_switches": switches, "symmetry": group, "sensor": sensor}
         fields |= {"settle_s": settle_s}
+        if ring is not None:
+            fields |= _of_ring(settled)
         tables.append(scores)
         summaries.append(Summary.model_validate(fields | _heading(predictions)))
     return Judgement(pd.concat(tables, ignore_index=True), tuple(summaries))
@@ -93,68 +100,50 @@ def swept_angle(scenario: Mapping[str, Any]) -> str | None:
     return angle_of_axis(motion["axis"]) if motion.get("type") == "axis-sweep" else None
 
 
-def _track(predictions: Predictions, dataset: Dataset, sensor: str, group: str) -> tuple[pd.DataFrame, int]:
+def _track(
+    predictions: Predictions, dataset: Dataset, sensor: str, group: str, ring: RingSubject | None
+) -> tuple[pd.DataFrame, int]:
     """The score rows of one sensor, and how often the labelling changed."""
-    table = predictions.table[predictions.table["sensor"] == sensor].set_index("frame")
     truth = dataset.truth_table()
     truth = truth[truth["sensor"] == sensor].set_index("frame").sort_index()
-    table = table.reindex(truth.index)
-    outcome = table["outcome"].fillna("skipped")
+    table = _in_order(predictions.table, sensor, truth.index)
+    table["outcome"] = outcome = table["outcome"].fillna("skipped")
     answered = (outcome == "ok").to_numpy()
     scores = pd.DataFrame({"frame": truth.index, "sensor": sensor, "method": predictions.record.title})
     scores["outcome"] = outcome.to_numpy()
     scores[["cpu_s", "wall_s"]] = table[["cpu_s", "wall_s"]].to_numpy(dtype=np.float64)
     for name in _CONDITIONS:
         scores[name] = truth[name].to_numpy() if name in truth else np.nan
-    errors, switches = _attitude_errors(truth, table, answered, symmetry.group(group), _labels(predictions, dataset, group))
-    return scores.assign(**errors, **_position_errors(truth, table, errors["speed_rotation"])), switches
+    labels = _labels(predictions, dataset, group) if ring is None else ring.labels
+    elements = symmetry.group(group) if ring is None else ring.labels
+    errors, switches = attitude_errors(truth, table, answered, elements, labels)
+    true_m, given_m = (positions(one) if ring is None else ring.centres(one) for one in (truth, table))
+    scores = scores.assign(**errors, **position_errors(true_m, given_m, errors["speed_rotation"]))
+    if ring is None:
+        return scores, switches
+    extras = None if predictions.extras is None else _in_order(predictions.extras, sensor, truth.index)
+    scores = scores.assign(**ring_scores.columns(ring, dataset, truth, table, extras))
+    return scores.assign(wrong=ring_scores.wrong(scores)), switches
+
+
+def _in_order(table: pd.DataFrame, sensor: str, frames: pd.Index) -> pd.DataFrame:
+    """The rows of one sensor, one for each of ``frames``."""
+    return table[table["sensor"] == sensor].set_index("frame").reindex(frames)
+
+
+def _of_ring(settled: pd.DataFrame) -> dict[str, object]:
+    """The fields of a summary that differ where the method was told of a ring."""
+    wrong = int(np.nansum(settled["wrong"].to_numpy(dtype=np.float64)))
+    return {"ring": ring_summary(settled), "wrong": wrong, "wrong_but_confident": wrong / len(settled)}
 
 
 def _labels(predictions: Predictions, dataset: Dataset, group: str) -> Rotation:
     """The equivalent labellings whose changes are counted: the rectangle's four, or the target's symmetries."""
     knowledge = predictions.record.knowledge
-    features = {feature.name: feature for feature in dataset.features}
-    if knowledge is not None and knowledge.feature in features:
-        return symmetry.rectangle_labels(features[knowledge.feature].target_from_feature)
+    feature = next((one for one in dataset.features if knowledge is not None and one.name == knowledge.feature), None)
+    if isinstance(feature, RectangleFeature):
+        return symmetry.rectangle_labels(feature.target_from_feature)
     return symmetry.group(group)
-
-
-def _attitude_errors(
-    truth: pd.DataFrame, table: pd.DataFrame, answered: np.ndarray, elements: Rotation, labels: Rotation
-) -> tuple[dict[str, np.ndarray], int]:
-    """Geodesic and Z-Y-X angle errors in degrees, NaN where not answered; the track's group element is divided out."""
-    true = _rotations(truth)
-    columns = {f"{name}_deg": np.degrees(angle) for name, angle in zip(ANGLE_NAMES, paper_angles(true).T, strict=True)}
-    empty = ("geodesic_deg", *(f"{name}_error_deg" for name in ANGLE_NAMES), "speed_rotation", "label")
-    columns |= {name: np.full(len(truth), np.nan) for name in empty}
-    if not answered.any():
-        return columns, 0
-    true, given = true[answered], _rotations(table[answered])
-    relabelled = given * elements[symmetry.track_element(true, given, elements)].inv()
-    geodesic = metrics.geodesic(true, relabelled)
-    columns["geodesic_deg"][answered] = np.degrees(geodesic)
-    columns["speed_rotation"][answered] = metrics.speed_rotation(geodesic)
-    errors = np.degrees(wrapped(paper_angles(relabelled) - paper_angles(true)))
-    for name, error in zip(ANGLE_NAMES, errors.T, strict=True):
-        columns[f"{name}_error_deg"][answered] = error
-    columns["label"][answered] = frame_labels = symmetry.frame_labels(true, given, labels)
-    return columns, symmetry.label_switches(frame_labels)
-
-
-def _position_errors(truth: pd.DataFrame, table: pd.DataFrame, speed_rotation: np.ndarray) -> dict[str, np.ndarray]:
-    """Position error in metres and the SPEED scores, NaN where a method gives no position."""
-    true, given = (one[list(TRANSLATION)].to_numpy(dtype=np.float64) for one in (truth, table))
-    position = metrics.speed_position(true, given)
-    position[np.isnan(given).any(axis=1)] = np.nan
-    return {
-        "position_error_m": np.linalg.norm(given - true, axis=1),
-        "speed_position": position,
-        "speed_score": speed_rotation + position,
-    }
-
-
-def _rotations(table: pd.DataFrame) -> Rotation:
-    return Rotation.from_quat(table[list(QUATERNION)].to_numpy(dtype=np.float64), scalar_first=True)
 
 
 def _heading(predictions: Predictions) -> dict[str, object]:

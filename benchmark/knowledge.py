@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from benchmark.records import CornerPriorRecord, KnowledgeRecord
+from benchmark.records import CornerPriorRecord, KnowledgeRecord, PairRecord
 from scenes.arrays import Floats, frozen
 from scenes.dataset import Dataset
 from scenes.errors import UsageError, unknown
-from scenes.features import RectangleFeature
+from scenes.features import CircleFeature, MarkerFeature, RectangleFeature
 from scenes.intrinsics import Intrinsics
 from scenes.provenance import stream
-from scenes.recording import CornerPrior, Knowledge, Rectangle
+from scenes.recording import CornerPrior, Knowledge, Rectangle, Ring, StereoPair
 
 PRIOR_SIGMA_PX = 3.0
 
@@ -35,20 +35,35 @@ def declare(
     sigma_px: float = PRIOR_SIGMA_PX,
     grant_aspect: bool = False,
     frame: int | None = None,
+    grant_radius: bool = False,
+    rig: str | None = None,
 ) -> Declaration:
-    """Calibration of every sensor, the feature ``feature_name``, and its corner pixels in ``frame`` (default: the first).
+    """Calibration of every sensor, and the feature ``feature_name``: a rectangle, or a circle, which two cameras measure.
 
-    ``grant_aspect`` adds the rectangle's L/W. A data set whose target has one feature needs no name. Raises ``UsageError``
-    for an unknown feature, or one whose four corners nobody could click in that frame: behind the camera, outside the picture,
-    or on a side that is turned away.
+    Of a rectangle: its corner pixels in ``frame`` (default: the first); ``grant_aspect`` adds L/W. Of a circle: the stereo rig
+    ``rig``, which needs no name where there is one; ``grant_radius`` adds the radius. Markers are not told of. A data set whose
+    target has one rectangle or circle needs no name. Raises ``UsageError`` for an unknown feature or rig, for a rectangle whose
+    four corners nobody could click in that frame (behind the camera, outside the picture, or on a side that is turned away),
+    and for a circle without a rig.
     """
     if not 0 <= sigma_px < np.inf:
         raise UsageError(f"the corner prior's sigma is {sigma_px} px; it must be a finite number, at least 0")
-    sensors = dict(dataset.sensors)
     feature = _feature(dataset, feature_name)
+    if isinstance(feature, CircleFeature):
+        return _of_ring(dataset, feature, grant_radius, rig)
+    if rig is not None:
+        named = "without a feature" if feature is None else f"with the rectangle {feature.name!r}"
+        raise UsageError(f"a stereo rig is told of with a circle, not {named}")
     if feature is None:
+        sensors = dict(dataset.sensors)
         return Declaration(Knowledge(sensors), KnowledgeRecord(sensors=tuple(sensors)))
-    first = dataset.frames[0] if frame is None else frame
+    return _of_rectangle(dataset, feature, sigma_px, grant_aspect, dataset.frames[0] if frame is None else frame)
+
+
+def _of_rectangle(
+    dataset: Dataset, feature: RectangleFeature, sigma_px: float, grant_aspect: bool, first: int
+) -> Declaration:
+    sensors = dict(dataset.sensors)
     sensor = next(iter(sensors))
     aspect = feature.length_m / feature.width_m if grant_aspect else None
     prior = CornerPrior(sensor, frozen(_clicked_corners(dataset, feature, sensor, first, sigma_px)), sigma_px)
@@ -64,15 +79,42 @@ def declare(
     return Declaration(Knowledge(sensors, rectangle, prior), record)
 
 
-def _feature(dataset: Dataset, name: str | None) -> RectangleFeature | None:
-    by_name = {feature.name: feature for feature in dataset.features}
-    if name is None and len(by_name) > 1:
-        raise UsageError(f"the target has several features; choose one with --feature: {', '.join(by_name)}")
+def _of_ring(dataset: Dataset, feature: CircleFeature, grant_radius: bool, rig: str | None) -> Declaration:
+    """No corner is clicked and no marker told of: a method finds the ring by itself."""
+    pair, sensors = _pair(dataset, feature, rig), dict(dataset.sensors)
+    radius_m = feature.radius_m if grant_radius else None
+    record = KnowledgeRecord(
+        sensors=tuple(sensors),
+        feature=feature.name,
+        pair=PairRecord(left=pair.left, right=pair.right),
+        radius_m=radius_m,
+    )
+    return Declaration(Knowledge(sensors, pair=pair, ring=Ring(feature.name, feature.target_from_feature, radius_m)), record)
+
+
+def _pair(dataset: Dataset, feature: CircleFeature, name: str | None) -> StereoPair:
+    rigs = dataset.rigs
+    if not rigs:
+        raise UsageError(f"feature {feature.name!r} is a circle, which two cameras measure, and {dataset.path} has no stereo rig")
+    if name is None and len(rigs) > 1:
+        raise UsageError(f"the data set has several stereo rigs; choose one with --rig: {', '.join(rigs)}")
+    if name is not None and name not in rigs:
+        raise UsageError(f"{dataset.path}: {unknown('stereo rig', name, rigs)}")
+    return rigs[next(iter(rigs)) if name is None else name]
+
+
+def _feature(dataset: Dataset, name: str | None) -> RectangleFeature | CircleFeature | None:
+    told = {one.name: one for one in dataset.features if not isinstance(one, MarkerFeature)}
+    if name is None and len(told) > 1:
+        raise UsageError(f"the target has several features; choose one with --feature: {', '.join(told)}")
     if name is None:
-        return next(iter(by_name.values()), None)
-    if name not in by_name:
-        raise UsageError(f"{dataset.path}: {unknown('feature', name, by_name)}")
-    return by_name[name]
+        return next(iter(told.values()), None)
+    if name in {one.name for one in dataset.features} - told.keys():
+        choice = ", ".join(told) or "none here"
+        raise UsageError(f"feature {name!r} is a marker; a method is told of a rectangle or a circle ({choice})")
+    if name not in told:
+        raise UsageError(f"{dataset.path}: {unknown('feature', name, told)}")
+    return told[name]
 
 
 def _clicked_corners(dataset: Dataset, feature: RectangleFeature, sensor: str, frame: int, sigma_px: float) -> Floats:

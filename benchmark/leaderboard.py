@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmark import results
+from benchmark.figure import Figure
 from benchmark.results import Entry, Results
-from benchmark.summary import Figure, Summary
+from benchmark.summary import Summary
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from scenes.arrays import Floats
 
+WRONG_DEG = 5.0  # an answer further off than this is wrong, whatever its method thinks of it
 # Thresholds below which the SPEED+ competition counts an error as zero (Park et al. 2022, the hardware-in-the-loop score).
 SPEED_ROTATION_RAD = float(np.radians(0.169))
 SPEED_POSITION = 2.173e-3

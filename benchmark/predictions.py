@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
 
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
 from benchmark.records import RunRecord
 from estimators.api import Outcome
+from scenes.arrays import Floats
 from scenes.errors import unknown
 
 COLUMNS = ("frame", "sensor", "outcome", "qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m", "cpu_s", "wall_s")
@@ -90,6 +92,16 @@ def parse(text: str, name: str) -> pd.DataFrame:
         seen[key] = line
         records.append(record)
     return _normalised(pd.DataFrame(records, columns=list(COLUMNS)))
+
+
+def rotations(table: pd.DataFrame) -> Rotation:
+    """The rotations in the quaternion columns of a table of answers, or of the truth."""
+    return Rotation.from_quat(table[list(QUATERNION)].to_numpy(dtype=np.float64), scalar_first=True)
+
+
+def positions(table: pd.DataFrame) -> Floats:
+    """(n, 3) positions in metres of a table of answers, or of the truth; NaN where none was given."""
+    return table[list(TRANSLATION)].to_numpy(dtype=np.float64)
 
 
 def _check_header(header: list[str], name: str) -> None:

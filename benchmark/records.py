@@ -18,8 +18,18 @@ class CornerPriorRecord(Spec):
     sigma_px: NonNegative
 
 
+class PairRecord(Spec):
+    """The two cameras of the stereo rig that a method was told of."""
+
+    left: str
+    right: str
+
+
 class KnowledgeRecord(Spec):
-    """Everything a method was told in advance; the leaderboard prints it."""
+    """Everything a method was told in advance; the leaderboard prints it.
+
+    ``feature``: the name of what it was told of, a rectangle or, where ``pair`` is there, a ring that these two cameras measure.
+    """
 
     sensors: tuple[str, ...]
     feature: str | None = None
@@ -27,22 +37,29 @@ class KnowledgeRecord(Spec):
     free_standing: bool = False
     aspect: float | None = None
     corner_prior: CornerPriorRecord | None = None
+    pair: PairRecord | None = None
+    radius_m: float | None = None
 
     def sentence(self) -> str:
         """The declaration as a person reads it."""
         return ", ".join(self.facts())
 
     def facts(self, *, named: bool = True) -> list[str]:
-        """Each thing that was told; without ``named`` the rectangle's name is left out."""
+        """Each thing that was told; without ``named`` the feature's name is left out."""
         told = ["calibration"]
+        if self.pair is not None:
+            told.append("how its two cameras stand to each other")
         if self.feature is not None:
-            told.append("how the rectangle" + (f" '{self.feature}'" if named else "") + " lies on the target")
+            kind = "rectangle" if self.pair is None else "ring"
+            told.append(f"how the {kind}" + (f" '{self.feature}'" if named else "") + " lies on the target")
         if self.gap is not None:
             told.append("between which parts of its length the long edges are missing (where they are)")
         if self.free_standing:
             told.append("that open space surrounds it (where it does)")
         if self.aspect is not None:
             told.append(f"its aspect ratio {self.aspect:.3g}")
+        if self.radius_m is not None:
+            told.append(f"its radius {self.radius_m:.4g} m")
         if self.corner_prior is not None:
             told.append(f"its 4 corner pixels in the first frame (σ {self.corner_prior.sigma_px:g} px)")
         return told

@@ -5,10 +5,11 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from benchmark import report_views as views
+from benchmark.figure import Figure
 from benchmark.files import publish
 from benchmark.leaderboard import minus, overall, rows
+from benchmark.metrics import WRONG_DEG
 from benchmark.results import read
-from benchmark.summary import WRONG_DEG, Figure
 
 PAGE = "report.html"
 

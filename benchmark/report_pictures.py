@@ -12,7 +12,7 @@ from scipy.spatial.transform import RigidTransform, Rotation
 from benchmark.predictions import QUATERNION, TRANSLATION
 from scenes.arrays import Floats
 from scenes.dataset import Dataset
-from scenes.features import RectangleFeature
+from scenes.features import CircleFeature, Feature, RectangleFeature
 from scenes.recording import SensorModel
 
 _CYCLIC = [0, 1, 3, 2]
@@ -57,11 +57,18 @@ def glimpse(dataset: Dataset, frame: int, caption: str) -> Picture:
     """The first sensor's picture of ``frame`` as the methods see it, cut out around all features of the target."""
     sensor = next(iter(dataset.sensors))
     model, pose = dataset.sensors[sensor], dataset.truth(frame).sensor_from_target[sensor]
-    corners = [model.intrinsics.project(pose.apply(feature.corners_target)) for feature in dataset.features]
+    corners = [model.intrinsics.project(pose.apply(outline(feature))) for feature in dataset.features]
     whole = np.array([[0.0, 0.0], [model.intrinsics.width_px - 1, model.intrinsics.height_px - 1]])
     left, top, right, bottom = _window(np.vstack(corners) if corners else whole, model)
     pixels = _shown(dataset.observation(frame).images[sensor].pixels[top:bottom, left:right], model)
     return Picture(_data_uri(pixels), right - left, bottom - top, truth="", answer="", caption=caption, is_failure=False)
+
+
+def outline(feature: Feature) -> Floats:
+    """(n, 3) points of the target frame between which a feature lies: its corners, its edge, or a marker's centre."""
+    if isinstance(feature, RectangleFeature):
+        return feature.corners_target
+    return feature.points_target(72) if isinstance(feature, CircleFeature) else np.array([feature.centre_m])
 
 
 def _answered_corners(answer: pd.Series, pose: RigidTransform, feature: RectangleFeature) -> Floats:

@@ -20,6 +20,7 @@ from benchmark.results import Results
 from benchmark.suite import Published
 from benchmark.summary import Summary
 from scenes.dataset import Dataset
+from scenes.features import RectangleFeature
 
 _PICTURES_PER_ENTRY = 2
 
@@ -120,7 +121,7 @@ def _pictures(dataset: Dataset, row: Row, answers: Predictions, scores: pd.DataF
     """The worst answered frame and the first unanswered one; where all are answered, the two worst."""
     features = {feature.name: feature for feature in dataset.features}
     feature = features.get(row.entry.feature or "")
-    if feature is None:
+    if not isinstance(feature, RectangleFeature):
         return
     answered = scores[scores["outcome"] == "ok"].sort_values("geodesic_deg", ascending=False, kind="stable")
     failed = scores[scores["outcome"] != "ok"]

@@ -4,28 +4,20 @@ Statistics are over answered frames only; how many frames those were stands besi
 method cannot look better by answering less without its availability showing it.
 """
 
-from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 import pandas as pd
 
 from benchmark import metrics
+from benchmark.figure import Figure, figure_of, finite, mean, median, p95, sd
+from benchmark.metrics import WRONG_DEG
 from benchmark.records import KnowledgeRecord
+from benchmark.ring_summary import RingSummary
 from scenes.arrays import Floats
 from scenes.spec import Fraction, Spec
 
-WRONG_DEG = 5.0  # an answer further off than this is wrong, whatever its method thinks of it
 BIN_DEG = 10.0
-BOOTSTRAP_SEED = 0
-
-
-class Figure(Spec):
-    """A statistic with its 95 % interval; None where too few frames were answered for one."""
-
-    value: float
-    low: float | None = None
-    high: float | None = None
 
 
 class AngleBin(Spec):
@@ -80,6 +72,7 @@ class Summary(Spec):
     geodesic_median_deg: Figure | None = None
     geodesic_p95_deg: Figure | None = None
     swept: SweptAngle | None = None
+    ring: RingSummary | None = None
     speed_rotation: Figure | None = None
     speed_score: Figure | None = None
     cpu_s_per_frame: float | None = None
@@ -99,11 +92,11 @@ def figures(scores: pd.DataFrame, swept: str | None) -> dict[str, object]:
         "availability": len(answered) / len(scores),
         "wrong": wrong,
         "wrong_but_confident": wrong / len(scores),
-        "geodesic_median_deg": _figure(error_deg, lambda v: float(np.median(v))),
-        "geodesic_p95_deg": _figure(error_deg, lambda v: float(np.percentile(v, 95))),
+        "geodesic_median_deg": figure_of(error_deg, median),
+        "geodesic_p95_deg": figure_of(error_deg, p95),
         "swept": _swept(scores, swept) if swept is not None and len(answered) else None,
-        "speed_rotation": _figure(answered["speed_rotation"].to_numpy(dtype=np.float64), _mean),
-        "speed_score": _figure(answered["speed_score"].dropna().to_numpy(dtype=np.float64), _mean),
+        "speed_rotation": figure_of(answered["speed_rotation"].to_numpy(dtype=np.float64), mean),
+        "speed_score": figure_of(answered["speed_score"].dropna().to_numpy(dtype=np.float64), mean),
         "cpu_s_per_frame": None if np.isnan(cpu_s).all() else float(np.nanmean(cpu_s)),
     }
 
@@ -117,13 +110,13 @@ def _swept(scores: pd.DataFrame, name: str) -> SweptAngle:
     return SweptAngle.model_validate(
         {
             "name": name,
-            "mean_deg": _figure(error_deg, _mean),
-            "sd_deg": _figure(error_deg, _sd),
-            "mae_deg": _figure(np.abs(error_deg), _mean),
+            "mean_deg": figure_of(error_deg, mean),
+            "sd_deg": figure_of(error_deg, sd),
+            "mae_deg": figure_of(np.abs(error_deg), mean),
             "max_deg": float(np.abs(error_deg).max()),
-            "response_slope": _finite(metrics.response_slope(np.radians(true_deg), np.radians(true_deg + error_deg))),
+            "response_slope": finite(metrics.response_slope(np.radians(true_deg), np.radians(true_deg + error_deg))),
             "near_zero_answers": int(np.count_nonzero(np.abs(true_deg + error_deg) < 0.5)),
-            "lag1_autocorrelation": _finite(metrics.lag1_autocorrelation(error_deg, adjacent)),
+            "lag1_autocorrelation": finite(metrics.lag1_autocorrelation(error_deg, adjacent)),
             "bins": _bins(truth_deg, all_error_deg, answered),
         }
     )
@@ -143,27 +136,7 @@ def _bins(truth_deg: Floats, error_deg: Floats, answered: np.ndarray) -> tuple[A
                 frames=int(here.sum()),
                 answered=errors.size,
                 mean_deg=float(errors.mean()) if errors.size else None,
-                sd_deg=_sd(errors) if errors.size > 1 else None,
+                sd_deg=sd(errors) if errors.size > 1 else None,
             )
         )
     return tuple(bins)
-
-
-def _figure(values: Floats, statistic: Callable[[Floats], float]) -> Figure | None:
-    if values.size == 0:
-        return None
-    interval = metrics.bootstrap(values, statistic, np.random.default_rng(BOOTSTRAP_SEED))
-    return Figure(value=interval.value, low=_finite(interval.low), high=_finite(interval.high))
-
-
-def _mean(values: Floats) -> float:
-    return float(values.mean())
-
-
-def _sd(values: Floats) -> float:
-    """Standard deviation about the mean, n − 1; 0 for a single value."""
-    return float(values.std(ddof=1)) if values.size > 1 else 0.0
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from scenes.arrays import Floats
 
 GROUPS = ("none", "c2-x", "c2-y", "c2-z", "c4-x", "c4-y", "c4-z", "d2", "octahedral")
+_SAME_DIRECTION = 6  # decimals of a unit vector
 
 
 def group(name: str) -> Rotation:
@@ -34,6 +35,18 @@ def group(name: str) -> Rotation:
 def rectangle_labels(target_from_feature: Rotation) -> Rotation:
     """The four cyclic labellings of a rectangle's corners, as turns k·90° about its normal, in the target frame."""
     return target_from_feature * group("c4-x") * target_from_feature.inv()
+
+
+def ring_labels(target_from_ring: Rotation, azimuths_rad: Floats) -> Rotation:
+    """Turns about a ring's normal by the azimuths (n,) of its markers, in the target frame; the identity is the first element.
+
+    ``target_from_ring`` takes the ring's axes (Z outward normal, X the direction of azimuth 0) into the target frame. A method
+    that is not told which marker lies on the X axis may take any of them for it.
+    """
+    marks = np.exp(1j * np.concatenate([[0.0], azimuths_rad]))
+    _, first = np.unique(np.round(marks, _SAME_DIRECTION), return_index=True)
+    turns = np.angle(marks[np.sort(first)])[:, None] * np.array([0.0, 0.0, 1.0])
+    return target_from_ring * Rotation.from_rotvec(turns) * target_from_ring.inv()
 
 
 def errors_by_element(truth: Rotation, estimate: Rotation, elements: Rotation) -> Floats:
