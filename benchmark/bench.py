@@ -11,6 +11,7 @@ from benchmark.results import CaseHeading, Entry, Results
 from benchmark.suite import Case, Method, Suite
 from scenes.dataset import Dataset
 from scenes.errors import DatasetConflict
+from scenes.features import CircleFeature
 from scenes.scenario import Quality
 
 Stages = Callable[[str], AbstractContextManager[Progress | None]]
@@ -37,6 +38,7 @@ def bench(suite: Suite, out: Path, *, workers: int = 1, quality: Quality | None 
         cases=tuple(CaseHeading(name=case.name, description=case.description) for case in suite.cases),
         entries=tuple(entries),
         published=suite.published,
+        published_rings=suite.published_rings,
         notes=suite.notes,
     )
     results.write(out, index)
@@ -56,7 +58,7 @@ def _dataset(suite: Suite, case: Case, path: Path, workers: int, quality: Qualit
             seed=case.seed,
             workers=workers,
             resume=path.exists(),
-            quality=quality or suite.quality,
+            quality=quality or case.quality or suite.quality,
             progress=progress,
         )
     dataset = Dataset.open(path)
@@ -87,6 +89,8 @@ def _entries(suite: Suite, case: Case, dataset: Dataset, out: Path, stages: Stag
 def _answer_and_judge(
     dataset: Dataset, case: Case, feature: str, title: str, method: Method, sigma_px: float, folder: Path, progress: Progress | None
 ) -> None:
-    declaration = declare(dataset, feature, sigma_px, grant_aspect=method.aspect)
+    circles = {one.name for one in dataset.features if isinstance(one, CircleFeature)}
+    rig = case.rig if feature in circles else None
+    declaration = declare(dataset, feature, sigma_px, grant_aspect=method.aspect, grant_radius=method.radius, rig=rig)
     answers = run.estimate(method.estimator, method.parameters, dataset, declaration, folder, label=title, progress=progress)
     judge.write(folder, judge.judge(answers, dataset, case.settle_s))

@@ -80,7 +80,7 @@ def list_(
         str | None,
         typer.Argument(
             metavar="[KIND]",
-            help="Only scenarios, estimators, suites, targets, cameras, lights or materials.",
+            help="Only scenarios, estimators, suites, targets, cameras, rigs, lights or materials.",
         ),
     ] = None,
     debug: Debug = False,
@@ -136,6 +136,7 @@ def estimate(
     out: Out,
     feature: Annotated[str | None, typer.Option(help="Which feature of the target the method is told of.")] = None,
     prior_sigma_px: Annotated[float, typer.Option(min=0, help="Noise of the corner pixels it is given, sd in px.")] = 3.0,
+    rig: Annotated[str | None, typer.Option(help="Which stereo rig measures a ring, where there are several.")] = None,
     overrides: Overrides = None,
     quiet: Quiet = False,
     debug: Debug = False,
@@ -143,7 +144,7 @@ def estimate(
     """Let a method answer every frame of a data set; it sees pictures and its declared knowledge, nothing else."""
     from benchmark import verbs
 
-    raise typer.Exit(verbs.estimate(method, dataset, out, feature, prior_sigma_px, overrides or [], Console(quiet)))
+    raise typer.Exit(verbs.estimate(method, dataset, out, feature, prior_sigma_px, rig, overrides or [], Console(quiet)))
 
 
 @app.command(short_help="answers against the truth", epilog=example("hardlight judge answers/wing data/in-plane --out scores/wing"))

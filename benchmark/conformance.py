@@ -1,9 +1,9 @@
 """What every estimator must do, whoever wrote it: our own methods pass the same checks as a stranger's.
 
 ``faults`` takes a factory of fresh estimators and a recording (declared knowledge and successive observations) and returns one
-sentence for each broken promise: a black picture does not raise and is not answered, inputs stay as they were, the same input
+sentence for each broken promise: black pictures do not raise and are not answered, inputs stay as they were, the same input
 gives the same output, every step gives an estimate that keeps its contract, and a re-labelled target frame turns the answer
-with it.
+with it, and moves it where the method was told of a ring. Extras called ``cpu_...`` are times, which are never the same again.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -11,14 +11,16 @@ from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import RigidTransform, Rotation
 
 from estimators.api import Estimate, Estimator, Outcome
 from scenes.recording import Image, Knowledge, Observation
 
 Factory = Callable[[], Estimator]
 RELABELLING = Rotation.from_euler("xyz", [20.0, -35.0, 50.0], degrees=True)
-_SAME_RAD = 1e-6
+SHIFT_M = (0.3, -0.2, 0.5)
+_SAME_RAD, _SAME_M = 1e-6, 1e-6
+_TIMES = "cpu_"
 
 
 def faults(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> list[str]:
@@ -72,18 +74,23 @@ def _same_again(
 
 
 def _equal(one: object, two: object) -> bool:
-    """Bit for bit: outcome, rotation, translation and extras."""
+    """Bit for bit: outcome, rotation, translation and extras other than times."""
     if not isinstance(one, Estimate) or not isinstance(two, Estimate):
         return type(one) is type(two)
-    if one.outcome is not two.outcome or dict(one.extras).keys() != dict(two.extras).keys():
+    if one.outcome is not two.outcome or _untimed(one).keys() != _untimed(two).keys():
         return False
     return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(_numbers(one), _numbers(two), strict=True))
+
+
+def _untimed(answer: Estimate) -> dict[str, float]:
+    return {name: value for name, value in answer.extras.items() if not name.startswith(_TIMES)}
 
 
 def _numbers(answer: Estimate) -> list[np.ndarray]:
     rotation = np.empty(0) if answer.sensor_from_target is None else answer.sensor_from_target.as_quat()
     position = np.empty(0) if answer.translation_m is None else np.asarray(answer.translation_m)
-    return [rotation, position, np.array(list(answer.extras.values()), dtype=np.float64)]
+    extras = _untimed(answer)
+    return [rotation, position, np.array([extras[name] for name in sorted(extras)], dtype=np.float64)]
 
 
 def _inputs_untouched(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> Iterator[str]:
@@ -114,24 +121,51 @@ def _black(make: Factory, knowledge: Knowledge, observations: Sequence[Observati
 def _relabelled(
     first: Sequence[Estimate], make: Factory, knowledge: Knowledge, observations: Sequence[Observation]
 ) -> Iterator[str]:
-    """If the target's axes are called otherwise, p' = Q p, the same camera sees sensor_from_target' = sensor_from_target Q⁻¹."""
-    if knowledge.rectangle is None:
+    """If the target's axes are called otherwise, p' = Q p, the same camera sees sensor_from_target' = sensor_from_target Q⁻¹.
+
+    A rectangle says nothing of the target's origin, so there Q is a rotation; a ring has a centre, so there it also shifts.
+    """
+    told, relabelling = _told_otherwise(knowledge)
+    if told is None:
         return
-    rectangle = replace(knowledge.rectangle, target_from_feature=RELABELLING * knowledge.rectangle.target_from_feature)
-    turned, complaint = _answers(make, replace(knowledge, rectangle=rectangle), observations)
+    turned, complaint = _answers(make, told, observations)
     if complaint:
         yield f"with a re-labelled target frame: {complaint}"
         return
     for number, (one, two) in enumerate(zip(first, turned, strict=True)):
-        if (one.sensor_from_target is None) != (two.sensor_from_target is None):
-            yield f"frame {number}: a re-labelled target frame changes the outcome to {two.outcome.value}"
+        fault = _fault_of_relabelling(one, two, relabelling, moves=knowledge.ring is not None)
+        if fault:
+            yield f"frame {number}: a re-labelled target frame {fault}"
             return
-        if one.sensor_from_target is None or two.sensor_from_target is None:
-            continue
-        off_rad = float((one.sensor_from_target.inv() * two.sensor_from_target * RELABELLING).magnitude())
-        if off_rad > _SAME_RAD:
-            yield f"frame {number}: a re-labelled target frame turns the answer by {np.degrees(off_rad):.3g}° too much"
-            return
+
+
+def _told_otherwise(knowledge: Knowledge) -> tuple[Knowledge | None, RigidTransform]:
+    """The same knowledge in other target axes, None where it does not say how anything lies on the target."""
+    if knowledge.ring is not None:
+        relabelling = RigidTransform.from_components(SHIFT_M, RELABELLING)
+        ring = replace(knowledge.ring, target_from_feature=relabelling * knowledge.ring.target_from_feature)
+        return replace(knowledge, ring=ring), relabelling
+    relabelling = RigidTransform.from_rotation(RELABELLING)
+    if knowledge.rectangle is None:
+        return None, relabelling
+    rectangle = replace(knowledge.rectangle, target_from_feature=RELABELLING * knowledge.rectangle.target_from_feature)
+    return replace(knowledge, rectangle=rectangle), relabelling
+
+
+def _fault_of_relabelling(one: Estimate, two: Estimate, relabelling: RigidTransform, moves: bool) -> str:
+    """What is wrong with the answer ``two`` in the other axes; empty if it is ``one``, relabelled."""
+    if (one.sensor_from_target is None) != (two.sensor_from_target is None):
+        return f"changes the outcome to {two.outcome.value}"
+    if one.sensor_from_target is None or two.sensor_from_target is None:
+        return ""
+    off_rad = float((one.sensor_from_target.inv() * two.sensor_from_target * relabelling.rotation).magnitude())
+    if off_rad > _SAME_RAD:
+        return f"turns the answer by {np.degrees(off_rad):.3g}° too much"
+    if not moves or one.translation_m is None or two.translation_m is None:
+        return ""
+    origin_m = one.translation_m + one.sensor_from_target.apply(relabelling.inv().translation)
+    off_m = float(np.linalg.norm(two.translation_m - origin_m))
+    return f"leaves the answer {off_m:.3g} m from where it should be" if off_m > _SAME_M else ""
 
 
 def _with_pixels(observation: Observation, change: Callable[[np.ndarray], np.ndarray]) -> Observation:

@@ -8,6 +8,7 @@ from pathlib import Path
 from benchmark import results
 from benchmark.figure import Figure
 from benchmark.results import Entry, Results
+from benchmark.ring_summary import RingSummary, ThreeFigures
 from benchmark.summary import Summary
 
 
@@ -61,6 +62,8 @@ def overall(table: Sequence[Row]) -> list[Overall]:
 
 def cells(summary: Summary) -> dict[str, str]:
     """The texts of one row. Angles in degrees; an em dash where there is nothing to say."""
+    if summary.ring is not None:
+        return ring_cells(summary, summary.ring)
     swept = summary.swept
     return {
         "method": summary.title,
@@ -74,6 +77,29 @@ def cells(summary: Summary) -> dict[str, str]:
         "label switches": str(summary.label_switches),
         "CPU ms/frame": "—" if summary.cpu_s_per_frame is None else f"{1e3 * summary.cpu_s_per_frame:.1f}",
     }
+
+
+def ring_cells(summary: Summary, ring: RingSummary) -> dict[str, str]:
+    """The texts of one row where the method was told of a ring. Offsets in millimetres, angles in degrees."""
+    noise = None if ring.frame_to_frame is None else ring.frame_to_frame.noise
+    return {
+        "method": summary.title,
+        "answered": f"{summary.answered}/{summary.frames}",
+        "ring right": f"{ring.ring_right}/{ring.ring_judged}",
+        "wrong": str(summary.wrong),
+        "bias x y z mm": _three(ring.bias_mm, "{:+.1f}"),
+        "sd x y z mm": _three(ring.sd_mm, "{:.1f}"),
+        "normal median": figure(ring.normal_median_deg),
+        "p95": figure(ring.normal_p95_deg),
+        "about normal": figure(ring.about_normal_median_deg),
+        "swaps": str(summary.label_switches),
+        "frame to frame z cm": "—" if noise is None else f"{noise.position_cm[2]:.3f}",
+        "CPU ms/frame": "—" if summary.cpu_s_per_frame is None else f"{1e3 * summary.cpu_s_per_frame:.1f}",
+    }
+
+
+def _three(figures: ThreeFigures | None, form: str) -> str:
+    return "—" if figures is None else " ".join(form.format(one.value) for one in figures)
 
 
 def figure(value: Figure | None) -> str:

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
 from benchmark.judge import SUMMARY
-from benchmark.suite import Note, Published
+from benchmark.suite import Note, Published, PublishedRing
 from benchmark.summary import Summary
 from scenes.spec import Spec
 
@@ -44,6 +44,7 @@ class Results(Spec):
     cases: tuple[CaseHeading, ...]
     entries: tuple[Entry, ...]
     published: tuple[Published, ...] = ()
+    published_rings: tuple[PublishedRing, ...] = ()
     notes: tuple[Note, ...] = ()
 
 

@@ -65,7 +65,7 @@ def answer(
 
     So is an attempt to end the process (sys.exit); Ctrl-C is the user's and goes through.
     """
-    sensor, opening = next(iter(knowledge.sensors)), Stopwatch()
+    sensor, opening = next(iter(knowledge.sensors)) if knowledge.pair is None else knowledge.pair.left, Stopwatch()
     broken = _start(estimator, knowledge, opening)
     rows, extras = [], []
     for done, frame in enumerate(dataset.frames, start=1):

@@ -98,7 +98,14 @@ def _rendered_again(path: Path, sample: int, console: Console) -> list[str]:
 
 
 def estimate(
-    method: str, path: Path, out: Path, feature: str | None, sigma_px: float, overrides: list[str], console: Console
+    method: str,
+    path: Path,
+    out: Path,
+    feature: str | None,
+    sigma_px: float,
+    rig: str | None,
+    overrides: list[str],
+    console: Console,
 ) -> int:
     """Runs one method over a data set and, where every frame failed, says why; 1 if the method could not even start."""
     from benchmark import run
@@ -106,7 +113,7 @@ def estimate(
     from scenes.dataset import Dataset
 
     dataset = Dataset.open(path)
-    declaration = declare(dataset, feature, sigma_px)
+    declaration = declare(dataset, feature, sigma_px, rig=rig)
     with console.stage(f"{method}: {len(dataset.frames)} frames") as progress:
         answers = run.estimate(method, _parameters(overrides), dataset, declaration, out, progress=progress)
     counts = answers.table["outcome"].value_counts()
@@ -192,12 +199,18 @@ def _preset(name: str | None) -> "Quality | None":
 
 
 def _print_table(folder: Path, index: "Results", console: Console) -> None:
+    """A table of the rectangles and one of the rings, which have columns of their own."""
     from benchmark import leaderboard
 
-    rows = list(leaderboard.rows(folder, index))
-    groups = [f"{row.entry.case} {row.entry.feature}" for row in rows]
-    cells = [{"case": row.entry.case, "feature": row.entry.feature or "—", **row.cells} for row in rows]
-    console.table(f"{index.title} (errors in degrees, answered frames only)", cells, groups)
+    every = list(leaderboard.rows(folder, index))
+    rings = [row for row in every if row.summary.ring is not None]
+    for title, rows in (
+        (f"{index.title} (errors in degrees, answered frames only)", [row for row in every if row not in rings]),
+        (f"{index.title}: rings (answered frames only)", rings),
+    ):
+        groups = [f"{row.entry.case} {row.entry.feature}" for row in rows]
+        cells = [{"case": row.entry.case, "feature": row.entry.feature or "—", **row.cells} for row in rows]
+        console.table(title, cells, groups)
 
 
 def _parameters(overrides: list[str]) -> dict[str, object]:
