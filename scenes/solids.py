@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from scenes.arrays import Floats, frozen
 from scenes.assets import load_mesh
-from scenes.shapes import Box, Cylinder, MeshFile, Shape, Sphere
+from scenes.crinkle import crinkled_box
+from scenes.lathe import revolved
+from scenes.shapes import Box, CrinkledBox, Cylinder, MeshFile, Revolved, Shape, Sphere
 from scenes.target import Part, Target
 
 
@@ -42,11 +44,15 @@ def _triangles(shape: Shape) -> tuple[Any, Any]:
     if isinstance(shape, MeshFile):
         mesh_file = load_mesh(Path(shape.path), shape.scale)
         return mesh_file.vertices_m, mesh_file.faces
-    mesh = _procedural(shape)
+    if isinstance(shape, CrinkledBox):
+        return crinkled_box(shape)
+    if isinstance(shape, Revolved):
+        return revolved(shape)
+    mesh = _from_trimesh(shape)
     return mesh.vertices, mesh.faces
 
 
-def _procedural(shape: Box | Cylinder | Sphere) -> Any:
+def _from_trimesh(shape: Box | Cylinder | Sphere) -> Any:
     from trimesh import creation
 
     if isinstance(shape, Box):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from pydantic import TypeAdapter, ValidationError
+from scipy.spatial.transform import Rotation
 
 from scenes.shapes import Shape
 from scenes.solids import Solid, bounding_points, solids
@@ -15,7 +16,28 @@ SHAPES = {
     "panel": ({"type": "box", "size_m": (0.001, 2.0, 3.0)}, 0.006, 12.01),
     "cylinder": ({"type": "cylinder", "radius_m": 0.5, "height_m": 2.0, "segments": 512}, np.pi / 2, 2.5 * np.pi),
     "sphere": ({"type": "sphere", "radius_m": 2.0, "subdivisions": 5}, 32 / 3 * np.pi, 16 * np.pi),
+    "tube": ({"type": "tube", "inner_radius_m": 1.0, "outer_radius_m": 2.0, "height_m": 0.5}, 1.5 * np.pi, 9 * np.pi),
+    # A wall of 0.1 across z on a frustum of outer radii 1 and 2, height 3; slanted areas are pi (r1 + r2) sqrt(h^2 + dr^2).
+    "cone": (
+        {"type": "cone", "base_radius_m": 1.0, "top_radius_m": 2.0, "height_m": 3.0, "wall_m": 0.1, "segments": 512},
+        np.pi * (7.0 - (0.9**2 + 0.9 * 1.9 + 1.9**2)),
+        np.pi * ((3.0 + 2.8) * np.sqrt(10.0) + (1.0 - 0.81) + (4.0 - 3.61)),
+    ),
+    # Two paraboloids z = r^2 / 2 out to r = 1, each of area 2 pi (2 sqrt 2 - 1) / 3, and a rim of 0.1.
+    "dish": (
+        {"type": "dish", "radius_m": 1.0, "focal_length_m": 0.5, "wall_m": 0.1, "segments": 512},
+        0.1 * np.pi,
+        4 * np.pi * (2 * np.sqrt(2.0) - 1) / 3 + 0.2 * np.pi,
+    ),
+    # A cone of radius 2 and height 3 as a profile that runs clockwise.
+    "lathe": (
+        {"type": "lathe", "profile_m": ((0, 0), (0, 3), (2, 0)), "segments": 512},
+        4 * np.pi,
+        np.pi * (4 + 2 * np.sqrt(13.0)),
+    ),
 }
+# Height of the middle of mass above the shape's own origin, by integration; 0 for all others.
+MIDDLE_M = {"cone": 0.15 / 0.87, "dish": 0.2, "lathe": 0.75}
 
 
 def _part(shape: dict, name: str = "part", **placement) -> Part:
@@ -34,7 +56,8 @@ def test_shapes_are_closed_and_turned_outwards(name: str):
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(volume, rel=2e-3)  # positive: by the right-hand rule normals point outwards
     assert mesh.area == pytest.approx(area, rel=2e-3)
-    assert mesh.center_mass == pytest.approx([3.0, -1.0, 7.0], abs=1e-9)
+    axis = Rotation.from_rotvec((20.0, 50.0, -70.0), degrees=True).apply([0.0, 0.0, 1.0])
+    assert mesh.center_mass == pytest.approx(np.array([3.0, -1.0, 7.0]) + MIDDLE_M.get(name, 0.0) * axis, abs=2e-4)
 
 
 def test_placement_turns_then_moves():
@@ -51,8 +74,8 @@ def test_bounding_points_enclose_every_vertex():
     ]
     target = Target(parts=tuple(parts))
     points = bounding_points(target)
-    assert points.shape == (32, 3)
-    for solid, corners in zip(solids(target), points.reshape(4, 8, 3)):
+    assert points.shape == (8 * len(SHAPES), 3)
+    for solid, corners in zip(solids(target), points.reshape(-1, 8, 3)):
         assert (solid.vertices_target >= corners.min(axis=0) - 1e-12).all()
         assert (solid.vertices_target <= corners.max(axis=0) + 1e-12).all()
         assert len(np.unique(corners, axis=0)) == 8
@@ -84,6 +107,13 @@ def test_a_mesh_file_is_scaled_to_metres(tmp_path):
         {"type": "sphere", "radius_m": 1.0, "subdivisions": 8},
         {"type": "mesh", "path": "x.stl", "scale": 0.0},
         {"type": "cone", "radius_m": 1.0},
+        {"type": "cone", "base_radius_m": 0.1, "top_radius_m": 1.0, "height_m": 1.0, "wall_m": 0.1},
+        {"type": "tube", "inner_radius_m": 0.6, "outer_radius_m": 0.6, "height_m": 0.1},
+        {"type": "dish", "radius_m": 1.0, "focal_length_m": 0.0},
+        {"type": "lathe", "profile_m": ((0, 0), (1, 0))},
+        {"type": "lathe", "profile_m": ((0, 0), (1, 1), (2, 2))},
+        {"type": "lathe", "profile_m": ((0, 0), (1, 0), (0, 1), (0, 0))},
+        {"type": "lathe", "profile_m": ((-0.1, 0), (1, 0), (0, 1))},
         {"type": "box", "size_m": (1.0, 1.0, 1.0), "colour": "red"},
     ],
 )
