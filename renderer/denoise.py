@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from scenes.exr import occupied
+
 Layer = NDArray[np.float32]
 
 
@@ -17,8 +19,9 @@ def denoise_indirect(indirect: Layer, coverage: Layer) -> Layer:
     raw_sum = float(indirect.sum(dtype=np.float64))
     if raw_sum <= 0:
         return indirect
-    colour = np.repeat(indirect[:, :, None], 3, axis=2)
-    smooth = np.maximum(pyoidn.denoise(colour, hdr=True)[:, :, 0], 0)
-    smooth = np.where(coverage > 0, smooth, 0).astype(np.float32)
+    smooth = np.zeros_like(indirect)
+    here = occupied({"coverage": coverage}).slices  # the filter takes its time over empty space as well
+    colour = np.repeat(indirect[here][:, :, None], 3, axis=2)
+    smooth[here] = np.where(coverage[here] > 0, np.maximum(pyoidn.denoise(colour, hdr=True)[:, :, 0], 0), 0)
     smooth_sum = float(smooth.sum(dtype=np.float64))
     return smooth * np.float32(raw_sum / smooth_sum) if smooth_sum > 0 else indirect

@@ -38,10 +38,9 @@ def direct_layers(
     facing = hit & (dr.dot(si.n, to.direction) > 0) & (dr.dot(si.n, ray.d) < 0)
     is_open = facing & (scene.ray_test(_towards(si, to), facing) ^ True)
     wo = si.to_local(to.direction)
-    diffuse, total = _lobes(mi, bsdf, si, wo, is_open)
-    specular = dr.maximum(total - diffuse, 0.0)
+    diffuse, specular = _lobes(mi, bsdf, si, wo, is_open)
     if with_glints:
-        specular = specular * _power(to.density, bsdf.pdf(mi.BSDFContext(), si, wo, is_open))
+        specular = specular * _power(to.density, bsdf.pdf(_mirror_like(mi), si, wo, is_open))
     layers = {"diffuse": diffuse * to.weight, "specular": specular * to.weight}
     if in_lobe:
         layers["specular"] += _glint(mi, scene, bsdf, si, light, in_lobe, hit, kind)
@@ -88,9 +87,9 @@ def _lit(mi: Any, scene: Any, si: Any, ray: Any, light: dict[str, Any], rng: Any
 def _glint(
     mi: Any, scene: Any, bsdf: Any, si: Any, light: dict[str, Any], in_lobe: tuple[Any, Any], hit: Any, kind: Kind
 ) -> Any:
-    """Specular direct light found by sampling the surface's lobes: the other half of the power heuristic."""
+    """Specular direct light found by sampling the mirror-like lobe: the other half of the power heuristic."""
     u, which_lobe = in_lobe
-    sample, _ = bsdf.sample(mi.BSDFContext(), si, which_lobe, u, hit)
+    sample, value = bsdf.sample(_mirror_like(mi), si, which_lobe, u, hit)
     direction = si.to_world(sample.wo)
     radiance, density, distance = light_along(mi, dr, kind, light, si.p, direction)
     lucky = hit & (density > 0) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
@@ -99,9 +98,7 @@ def _glint(
     ray = si.spawn_ray(direction)
     ray.maxt = dr.minimum(ray.maxt, distance * (1 - _SHADOW_EPSILON))
     lucky = lucky & (scene.ray_test(ray, lucky) ^ True)
-    diffuse, total = _lobes(mi, bsdf, si, sample.wo, lucky)
-    weight = _power(sample.pdf, density) / sample.pdf
-    return dr.select(lucky, (total - diffuse) * radiance * weight, 0.0)
+    return dr.select(lucky, _first(value) * radiance * _power(sample.pdf, density), 0.0)
 
 
 def _towards(si: Any, to: Sample) -> Any:
@@ -110,13 +107,18 @@ def _towards(si: Any, to: Sample) -> Any:
 
 
 def _lobes(mi: Any, bsdf: Any, si: Any, wo: Any, active: Any) -> tuple[Any, Any]:
-    """The diffuse lobe alone and all lobes, each times the cosine (the BSDF of a metal has no diffuse lobe: 0)."""
-    everything = mi.BSDFContext()
+    """The diffuse and the mirror-like lobe, each times the cosine (a metal has no diffuse lobe, a paint no other: 0)."""
     matt = mi.BSDFContext()
     matt.type_mask = mi.BSDFFlags.DiffuseReflection
-    total = dr.select(active, _first(bsdf.eval(everything, si, wo, active)), 0.0)
     diffuse = dr.select(active, _first(bsdf.eval(matt, si, wo, active)), 0.0)
-    return diffuse, total
+    specular = dr.select(active, _first(bsdf.eval(_mirror_like(mi), si, wo, active)), 0.0)
+    return diffuse, specular
+
+
+def _mirror_like(mi: Any) -> Any:
+    context = mi.BSDFContext()
+    context.type_mask = mi.BSDFFlags.GlossyReflection
+    return context
 
 
 def _power(chosen: Any, other: Any) -> Any:

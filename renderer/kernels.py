@@ -9,9 +9,9 @@ from typing import Any
 
 import drjit as dr
 
-from renderer.emitters import Kind, moved
+from renderer.emitters import Kind
 from renderer.integrator import direct_layers, indirect_layer
-from renderer.sensor import camera_ray, stratified, turned
+from renderer.sensor import camera_ray, stratified
 
 _NUDGE_PX = (1.1e-3, 0.7e-3)
 
@@ -135,7 +135,7 @@ def _sampled(
     if plan.moving:
         stratum = (sample * 37 + first_stratum) % samples  # 37: coprime to every sample count in use
         tau = (mi.Float(stratum) + rng.next_float32()) / samples - 0.5
-        light = moved(mi, dr, plan.kind, light, light["turn"] * tau, turned, tau)
+        light = light | {"tau": tau}
     ray, _ = camera_ray(mi, dr, frame, pixel, tau, distorted=plan.distorted)
     return ray, light
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from scipy.spatial.transform import RigidTransform
 
+from renderer.rotation import turned
 from scenes.arrays import Floats
 from scenes.camera import Camera
 from scenes.detector import AutoExposure
@@ -100,15 +101,6 @@ def _undistort(mi: Any, c: dict[str, Any], bent: Any) -> Any:
         x = x - (dyy * fx - dxy * fy) / determinant
         y = y - (dxx * fy - dxy * fx) / determinant
     return mi.Point2f(x, y)
-
-
-def turned(mi: Any, dr: Any, vector: Any, rotation_vector: Any) -> Any:
-    """exp(rotation vector) · vector by its series: eight terms leave 1e-7 relative at the half radian that is allowed."""
-    turned, term = mi.Vector3f(vector), mi.Vector3f(vector)
-    for order in range(1, 8):
-        term = dr.cross(rotation_vector, term) / order
-        turned += term
-    return turned
 
 
 def stratified(mi: Any, index: Any, samples: int, jitter: Any) -> Any:
