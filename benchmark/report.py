@@ -9,7 +9,9 @@ from benchmark.figure import Figure
 from benchmark.files import publish
 from benchmark.leaderboard import minus, overall, rows
 from benchmark.metrics import WRONG_DEG
+from benchmark.report_ring_pictures import LIGHT_STATES
 from benchmark.results import read
+from benchmark.ring_scores import WRONG_OF_RANGE
 
 PAGE = "report.html"
 
@@ -28,6 +30,8 @@ def write(folder: Path) -> Path:
             titles=titles,
             overall=overall(list(rows(folder, index))),
             wrong_deg=WRONG_DEG,
+            wrong_of_range=WRONG_OF_RANGE,
+            light_states=LIGHT_STATES,
             constant=[row for row in rows(folder, index) if views.is_constant(row.summary)],
             told=views.told(shown),
         )

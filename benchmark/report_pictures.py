@@ -2,6 +2,7 @@
 
 import base64
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ from scenes.features import CircleFeature, Feature, RectangleFeature
 from scenes.recording import SensorModel
 
 _CYCLIC = [0, 1, 3, 2]
-_MARGIN, _SMALLEST_PX, _GAMMA = 0.35, 120, 2.2
+_MARGIN, _SMALLEST_PX, _WIDEST_PX, _GAMMA = 0.35, 120, 900, 2.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,12 +39,12 @@ def picture(dataset: Dataset, feature: RectangleFeature, answer: pd.Series, capt
     model, pose = dataset.sensors[sensor], dataset.truth(frame).sensor_from_target[sensor]
     true = model.intrinsics.project(pose.apply(feature.corners_target))
     left, top, right, bottom = _window(true, model)
-    pixels = _shown(dataset.observation(frame).images[sensor].pixels[top:bottom, left:right], model)
+    pixels = shown(dataset.observation(frame).images[sensor].pixels[top:bottom, left:right], model)
     offset = np.array([left - 0.5, top - 0.5])  # SVG's (0, 0) is the corner of the first pixel, not its centre
     answered = answer["outcome"] == "ok"
     guess = model.intrinsics.project(_answered_corners(answer, pose, feature)) if answered else np.empty((0, 2))
     return Picture(
-        uri=_data_uri(pixels),
+        uri=data_uri(pixels),
         width=right - left,
         height=bottom - top,
         truth=_points(true - offset),
@@ -60,8 +61,9 @@ def glimpse(dataset: Dataset, frame: int, caption: str) -> Picture:
     corners = [model.intrinsics.project(pose.apply(outline(feature))) for feature in dataset.features]
     whole = np.array([[0.0, 0.0], [model.intrinsics.width_px - 1, model.intrinsics.height_px - 1]])
     left, top, right, bottom = _window(np.vstack(corners) if corners else whole, model)
-    pixels = _shown(dataset.observation(frame).images[sensor].pixels[top:bottom, left:right], model)
-    return Picture(_data_uri(pixels), right - left, bottom - top, truth="", answer="", caption=caption, is_failure=False)
+    pixels = shown(dataset.observation(frame).images[sensor].pixels[top:bottom, left:right], model)
+    uri = data_uri(fitted(pixels, _WIDEST_PX))
+    return Picture(uri, right - left, bottom - top, truth="", answer="", caption=caption, is_failure=False)
 
 
 def outline(feature: Feature) -> Floats:
@@ -92,14 +94,24 @@ def _window(corners: Floats, model: SensorModel) -> tuple[int, int, int, int]:
     return int(first[0]), int(first[1]), int(last[0]), int(last[1])
 
 
-def _shown(pixels: NDArray[np.integer], model: SensorModel) -> NDArray[np.uint8]:
+def shown(pixels: NDArray[Any], model: SensorModel) -> NDArray[np.uint8]:
     """DN as 8-bit grey for the screen: black level taken off, full scale white, gamma 2.2 so that shadows can be seen."""
     linear = (pixels.astype(np.float64) - model.black_dn) / (model.white_dn - model.black_dn)
     return np.asarray(np.round(255 * np.clip(linear, 0, 1) ** (1 / _GAMMA)), dtype=np.uint8)
 
 
-def _data_uri(pixels: NDArray[np.uint8]) -> str:
-    _, data = cv2.imencode(".webp", pixels, [cv2.IMWRITE_WEBP_QUALITY, 70])  # PNG stores the noise at three times the size
+def fitted(pixels: NDArray[np.uint8], widest_px: int) -> NDArray[np.uint8]:
+    """The picture, made smaller where it is wider than ``widest_px``."""
+    height, width = pixels.shape[:2]
+    if width <= widest_px:
+        return pixels
+    size = widest_px, max(1, round(height * widest_px / width))
+    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+def data_uri(pixels: NDArray[np.uint8], quality: int = 70) -> str:
+    """A picture (grey, or blue-green-red) as WebP in a link; a ``quality`` above 100 is without loss."""
+    _, data = cv2.imencode(".webp", pixels, [cv2.IMWRITE_WEBP_QUALITY, quality])  # PNG stores the noise at three times the size
     return "data:image/webp;base64," + base64.b64encode(data.tobytes()).decode()
 
 

@@ -13,14 +13,14 @@ from matplotlib.figure import Figure
 from scenes.arrays import Bools, Floats
 
 LINEAR_TO_DEG = 1.0  # the error axis is linear up to here and logarithmic beyond
-_MARKERS = "osD^vP"
+MARKERS = "osD^vP"
 _SIZE_IN = (4.6, 3.0)
 _BAND = 0.055  # height of one method's row of failures, of the axes' height
 # Colours that stand for CSS variables; matplotlib wants real ones, the SVG text is edited afterwards.
-_INK, _FAINT = "#010101", "#020202"
-_SERIES = tuple(f"#0304{index:02d}" for index in range(len(_MARKERS)))
-_VARIABLES = {_INK: "var(--ink)", _FAINT: "var(--rule)"} | {
-    colour: f"var(--series-{index})" for index, colour in enumerate(_SERIES)
+INK, FAINT = "#010101", "#020202"
+SERIES = tuple(f"#0304{index:02d}" for index in range(len(MARKERS)))
+_VARIABLES = {INK: "var(--ink)", FAINT: "var(--rule)"} | {
+    colour: f"var(--series-{index})" for index, colour in enumerate(SERIES)
 }
 
 
@@ -50,7 +50,7 @@ def error_plot(tracks: Sequence[Track], salt: str) -> str:
         _dress(axes, _limit(tracks), rows=len(failing))
         for row, track in enumerate(failing):
             _mark_failures(axes, track, row)
-        return _themed(figure)
+        return themed(figure)
 
 
 def _limit(tracks: Sequence[Track]) -> float:
@@ -60,7 +60,7 @@ def _limit(tracks: Sequence[Track]) -> float:
 
 
 def _draw(axes: Axes, track: Track) -> None:
-    colour, marker = _SERIES[track.series % len(_SERIES)], _MARKERS[track.series % len(_MARKERS)]
+    colour, marker = SERIES[track.series % len(SERIES)], MARKERS[track.series % len(MARKERS)]
     here = track.answered
     many = here.size > 60
     axes.plot(
@@ -71,7 +71,7 @@ def _draw(axes: Axes, track: Track) -> None:
 
 def _mark_failures(axes: Axes, track: Track, row: int) -> None:
     """A row of crosses in the band below the errors, where the frames without an answer are."""
-    colour, missing = _SERIES[track.series % len(_SERIES)], track.truth_deg[~track.answered]
+    colour, missing = SERIES[track.series % len(SERIES)], track.truth_deg[~track.answered]
     height = (row + 0.7) * _BAND
     across = axes.get_xaxis_transform()
     axes.plot(missing, [height] * len(missing), "x", color=colour, markersize=4, markeredgewidth=1.2, transform=across)
@@ -86,23 +86,23 @@ def _dress(axes: Axes, limit_deg: float, rows: int) -> None:
     bottom = -top - 2.06 * top * share / (1 - share)
     axes.set_ylim(float(scale.inverted().transform(np.array([bottom]))[0]), upper)
     if rows:
-        axes.axhline(-limit_deg, color=_INK, linewidth=0.5, linestyle=(0, (2, 2)))
-        axes.text(-0.012, share / 2, "none", transform=axes.transAxes, ha="right", va="center", color=_INK)
-    axes.axhline(0.0, color=_INK, linewidth=0.8)
-    axes.axhspan(-LINEAR_TO_DEG, LINEAR_TO_DEG, color=_FAINT, alpha=0.35, linewidth=0)
-    axes.grid(visible=True, color=_FAINT, linewidth=0.6)
+        axes.axhline(-limit_deg, color=INK, linewidth=0.5, linestyle=(0, (2, 2)))
+        axes.text(-0.012, share / 2, "none", transform=axes.transAxes, ha="right", va="center", color=INK)
+    axes.axhline(0.0, color=INK, linewidth=0.8)
+    axes.axhspan(-LINEAR_TO_DEG, LINEAR_TO_DEG, color=FAINT, alpha=0.35, linewidth=0)
+    axes.grid(visible=True, color=FAINT, linewidth=0.6)
     ticks = [tick for tick in (-100, -30, -10, -3, -1, -0.5, 0, 0.5, 1, 3, 10, 30, 100) if abs(tick) <= limit_deg]
     axes.set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
     axes.minorticks_off()
-    axes.set_xlabel("true swept angle (deg)", color=_INK)
-    axes.set_ylabel("answer − truth (deg)", color=_INK)
-    axes.tick_params(colors=_INK, length=0)
+    axes.set_xlabel("true swept angle (deg)", color=INK)
+    axes.set_ylabel("answer − truth (deg)", color=INK)
+    axes.tick_params(colors=INK, length=0)
     for name, spine in axes.spines.items():
         spine.set_visible(name in ("left", "bottom"))
-        spine.set_color(_FAINT)
+        spine.set_color(FAINT)
 
 
-def _themed(figure: Figure) -> str:
+def themed(figure: Figure) -> str:
     """The SVG element alone, transparent, with CSS variables for colours and ids that are this plot's own."""
     text = io.StringIO()
     figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})

@@ -16,6 +16,7 @@ from benchmark.leaderboard import Row, minus, rows
 from benchmark.predictions import Predictions
 from benchmark.report_pictures import Picture, glimpse, picture
 from benchmark.report_plots import Track, error_plot
+from benchmark.report_ring_views import RingEntryView, RingView, reason, ring_view
 from benchmark.results import Results
 from benchmark.suite import Published
 from benchmark.summary import Summary
@@ -47,15 +48,22 @@ class FeatureView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CaseView:
-    """One case: its heading, its features, what a paper printed for it, and where its pictures come from."""
+    """One case: its heading, its rectangles, its rings, what a paper printed for it, and where its pictures come from."""
 
     name: str
     description: str
     methods: tuple[tuple[str, int], ...]
     features: tuple[FeatureView, ...]
+    rings: tuple[RingView, ...]
     published: tuple[Published, ...]
     dataset: Dataset
     glimpses: tuple[Picture, ...]
+
+    @property
+    def entries(self) -> tuple[EntryView | RingEntryView, ...]:
+        """Every row of the case's tables."""
+        rectangles = [entry for view in self.features for entry in view.entries]
+        return (*rectangles, *(entry for view in self.rings for entry in view.entries))
 
 
 def cases(folder: Path, index: Results, titles: Sequence[str]) -> list[CaseView]:
@@ -68,14 +76,19 @@ def _case(folder: Path, index: Results, name: str, titles: Sequence[str]) -> Cas
     mine = [row for row in rows(folder, index) if row.entry.case == name]
     dataset = Dataset.open(folder / mine[0].entry.dataset)
     heading = next(case for case in index.cases if case.name == name)
-    features = []
+    features, rings = [], []
     for feature, group in groupby(mine, key=lambda row: row.entry.feature):
-        entries = tuple(_entry(folder, dataset, row, titles.index(row.entry.title)) for row in group)
+        listed = list(group)
+        if listed[0].summary.ring is not None:
+            rings.append(ring_view(folder, index, dataset, listed, titles))
+            continue
+        entries = tuple(_entry(folder, dataset, row, titles.index(row.entry.title)) for row in listed)
         plot = _plot(entries, swept_angle(dataset.manifest.scenario), f"{name}-{feature}")
         features.append(FeatureView(feature or "", plot, entries))
     published = tuple(one for one in index.published if one.case == name)
     methods = tuple((title, series) for series, title in enumerate(titles) if title in {row.entry.title for row in mine})
-    return CaseView(name, heading.description, methods, tuple(features), published, dataset, tuple(_glimpses(dataset)))
+    views = tuple(features), tuple(rings)
+    return CaseView(name, heading.description, methods, *views, published, dataset, tuple(_glimpses(dataset)))
 
 
 def _glimpses(dataset: Dataset) -> Iterator[Picture]:
@@ -137,17 +150,9 @@ def _caption(score: pd.Series, answers: Predictions, row: Row) -> str:
     theta = f", θ = {round(score[f'{swept.name}_deg'], 1) + 0.0:.1f}°" if swept is not None else ""
     head = minus(f"frame {score['frame']}{theta}")
     if score["outcome"] != "ok":
-        return f"{head}: {score['outcome']}{_reason(score, answers)}"
+        return f"{head}: {score['outcome']}{reason(score, answers)}"
     signed = minus(f"error {score[f'{swept.name}_error_deg']:+.2f}°, ") if swept is not None else ""
     return f"{head}: {signed}geodesic {score['geodesic_deg']:.2f}°"
-
-
-def _reason(score: pd.Series, answers: Predictions) -> str:
-    if answers.extras is None or "reason" not in answers.extras:
-        return ""
-    here = (answers.extras["frame"] == score["frame"]) & (answers.extras["sensor"] == score["sensor"])
-    text = "".join(answers.extras.loc[here, "reason"].head(1))
-    return f" — {text}" if text else ""
 
 
 def is_constant(summary: Summary) -> bool:
@@ -160,10 +165,9 @@ def told(cases: Sequence[CaseView]) -> dict[str, list[str]]:
     """Method → everything that it was told in any case, each fact once."""
     told: dict[str, list[str]] = {}
     for case in cases:
-        for feature in case.features:
-            for entry in feature.entries:
-                knowledge = entry.row.summary.knowledge
-                facts = knowledge.facts(named=False) if knowledge is not None else ["not declared"]
-                known = told.setdefault(entry.row.entry.title, [])
-                known += [fact for fact in facts if fact not in known]
+        for entry in case.entries:
+            knowledge = entry.row.summary.knowledge
+            facts = knowledge.facts(named=False) if knowledge is not None else ["not declared"]
+            known = told.setdefault(entry.row.entry.title, [])
+            known += [fact for fact in facts if fact not in known]
     return told

@@ -20,8 +20,8 @@ def recording(dataset: Dataset) -> tuple[Knowledge, list[Observation]]:
     return declare(dataset, "panel", sigma_px=1.0).knowledge, [dataset.observation(frame) for frame in dataset.frames[:8]]
 
 
-@pytest.mark.parametrize("name", sorted(registry.names()))
-def test_every_registered_method_conforms(name: str, recording: Any) -> None:
+@pytest.mark.parametrize("name", [name for name in registry.names() if "ring" not in name])
+def test_every_registered_method_of_a_rectangle_conforms(name: str, recording: Any) -> None:
     assert faults(lambda: registry.load(name), *recording) == []
 
 

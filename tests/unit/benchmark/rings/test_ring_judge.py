@@ -23,6 +23,7 @@ from scenes.pose_columns import pose_columns
 
 SENSORS = {"left": "stereo-left", "right": "stereo-right"}
 MARKER_AZIMUTHS_DEG = (0.0, 75.0, -140.0)
+Ellipses = Callable[..., Callable[[int], dict[str, float]]]
 STILL = {"position_m": (0.05, 0.0, 4.0), "rotation_vector_deg": (0, 82, 0)}
 
 
@@ -67,22 +68,6 @@ def _judged(dataset: Dataset, **more: Any) -> tuple[Judgement, RingSummary]:
     return judgement, ring
 
 
-def _ellipses(dataset: Dataset, radius_m: float | None = None) -> Callable[[int], dict[str, float]]:
-    """Extras with the exact image of the circle, or of a concentric one of another radius."""
-    ring = _ring(dataset)
-    circle = ring if radius_m is None else ring.model_copy(update={"radius_m": radius_m})
-
-    def extras(frame: int) -> dict[str, float]:
-        poses, found = dataset.truth(frame).sensor_from_target, {"radius_m": circle.radius_m}
-        for view, sensor in SENSORS.items():
-            ellipse = true_ellipse(circle, poses[sensor], dataset.sensors[sensor].intrinsics)
-            assert ellipse is not None
-            found |= {f"{view}_{part}": getattr(ellipse, part) for part in ("x_px", "y_px", "a_px", "b_px", "theta_rad")}
-        return found
-
-    return extras
-
-
 @pytest.fixture(scope="module")
 def long(make_stereo: Callable[..., Dataset], tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     """120 frames of a ring at rest, without pictures."""
@@ -90,8 +75,8 @@ def long(make_stereo: Callable[..., Dataset], tmp_path_factory: pytest.TempPathF
     return make_stereo(tmp_path_factory.mktemp("long") / "still", frames=range(120), motion=motion, draws=False, width_px=16)
 
 
-def test_the_truth_itself_has_no_error_anywhere(stereo: Dataset) -> None:
-    judgement, ring = _judged(stereo, extras=_ellipses(stereo))
+def test_the_truth_itself_has_no_error_anywhere(stereo: Dataset, exact_ellipses: Ellipses) -> None:
+    judgement, ring = _judged(stereo, extras=exact_ellipses(stereo))
     summary, scores = judgement.summaries[0], judgement.scores
     assert (summary.answered, summary.frames, summary.wrong, summary.label_switches, summary.symmetry) == (12, 12, 0, 0, "markers")
     zero = ["geodesic_deg", "normal_error_deg", "about_normal_error_deg", "radius_error_m", "position_error_m"]
@@ -174,21 +159,23 @@ def test_a_circle_seen_edge_on_or_from_within_has_no_ellipse(stereo: Dataset) ->
     assert true_ellipse(ring, near * ring.target_from_feature.inv(), lens) is None
 
 
-def test_the_inner_edge_is_the_wrong_ring_although_its_pose_is_right(make_stereo: Callable[..., Dataset], tmp_path: Path) -> None:
+def test_the_inner_edge_is_the_wrong_ring_although_its_pose_is_right(
+    make_stereo: Callable[..., Dataset], tmp_path: Path, exact_ellipses: Ellipses
+) -> None:
     """Concentric and coplanar: 4 cm of radius tell it, the pose does not. The pictures are large, so that 4 cm are pixels."""
     dataset = make_stereo(tmp_path / "large", frames=range(4), width_px=2048, draws=False)
-    judgement, ring = _judged(dataset, extras=_ellipses(dataset, radius_m=0.56))
+    judgement, ring = _judged(dataset, extras=exact_ellipses(dataset, radius_m=0.56))
     summary = judgement.summaries[0]
     assert (summary.wrong, ring.ring_judged, ring.ring_right) == (4, 4, 0)
     assert judgement.scores["geodesic_deg"].max() < 1e-6
     assert ring.radius_bias_mm is not None
     assert ring.radius_bias_mm.value == pytest.approx(-40.0)
-    right, _ = _judged(dataset, extras=_ellipses(dataset, radius_m=0.5995))
+    right, _ = _judged(dataset, extras=exact_ellipses(dataset, radius_m=0.5995))
     assert right.summaries[0].wrong == 0
 
 
-def test_without_the_ellipses_of_both_views_nothing_is_said_of_the_ring(stereo: Dataset) -> None:
-    exact = _ellipses(stereo)
+def test_without_the_ellipses_of_both_views_nothing_is_said_of_the_ring(stereo: Dataset, exact_ellipses: Ellipses) -> None:
+    exact = exact_ellipses(stereo)
 
     def one_eyed(frame: int) -> dict[str, float]:
         return {name: value for name, value in exact(frame).items() if not name.startswith("right")}
@@ -252,8 +239,8 @@ def test_a_drift_is_its_slope_and_hides_from_the_frame_to_frame_statistic(long: 
     assert_allclose(ring.frame_to_frame.difference.position_cm, 0.0, atol=1e-9)
 
 
-def test_a_gap_breaks_the_pairs_and_failures_are_not_averaged(stereo: Dataset) -> None:
-    judgement, ring = _judged(stereo, shift_m=lambda _: (0.01, 0.0, 0.0), extras=_ellipses(stereo), missing=(0, 5))
+def test_a_gap_breaks_the_pairs_and_failures_are_not_averaged(stereo: Dataset, exact_ellipses: Ellipses) -> None:
+    judgement, ring = _judged(stereo, shift_m=lambda _: (0.01, 0.0, 0.0), extras=exact_ellipses(stereo), missing=(0, 5))
     summary = judgement.summaries[0]
     assert (summary.answered, ring.ring_judged, ring.ring_right_fraction) == (10, 10, pytest.approx(10 / 12))
     assert ring.frame_to_frame is not None
@@ -288,8 +275,8 @@ def test_cpu_time_is_kept_by_stage_and_by_acquisition_and_tracking(stereo: Datas
     assert (ring.tracking_frames, ring.tracking_cpu_s) == (10, pytest.approx(0.08))
 
 
-def test_an_outside_method_that_declares_no_pair_is_judged_with_the_only_rig(stereo: Dataset) -> None:
-    answers = _answers(stereo, extras=_ellipses(stereo))
+def test_an_outside_method_that_declares_no_pair_is_judged_with_the_only_rig(stereo: Dataset, exact_ellipses: Ellipses) -> None:
+    answers = _answers(stereo, extras=exact_ellipses(stereo))
     assert answers.record.knowledge is not None
     knowledge = answers.record.knowledge.model_copy(update={"pair": None})
     record = answers.record.model_copy(update={"knowledge": knowledge})
