@@ -46,7 +46,7 @@ def still(
 
 
 def scenario(parts: list[dict[str, Any]], cam: dict[str, Any], motion: dict[str, Any] | None = None, **changes: Any) -> Scenario:
-    """One camera called ``cam``, one sun called ``sun`` (from behind the camera unless ``sun`` says otherwise)."""
+    """One camera called ``cam``, one sun called ``sun`` (from behind the camera unless ``sun`` says otherwise), or ``lights``."""
     sun = {"type": "sun", "direction": (0.0, 0.0, -1.0)} | changes.pop("sun", {})
     tree = {"frame_count": 1, "target": {"parts": parts}, "cameras": {"cam": cam}, "lights": {"sun": sun}}
     return Scenario.model_validate(tree | {"motion": motion or still()} | changes)
