@@ -56,7 +56,7 @@ class Scene:
     radius_m: float = 0.6
     inner_m: float = 0.56
     light: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    markers: tuple = ((0.3, 0.0, 0.05, "disc"), (-0.15, 0.28, 0.045, "square"), (-0.2, -0.25, 0.045, "square"))
+    markers: tuple = ((0.22, 0.0, 0.05, "disc"), (-0.15, 0.28, 0.045, "square"), (-0.2, -0.25, 0.045, "square"))
     half_m: float = 0.78
     texture_dn: float = 0.0
     values: dict = field(default_factory=dict)
