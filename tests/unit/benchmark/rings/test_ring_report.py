@@ -159,7 +159,7 @@ def _drawn(points: str) -> np.ndarray:
 def test_the_true_edge_lies_on_the_pictures_edge_and_the_measured_one_on_it(
     make_stereo: Callable[..., Dataset], exact_ellipses: Any, tmp_path: Path
 ) -> None:
-    dataset = make_stereo(tmp_path / "large", frames=range(1), width_px=800)  # as large as is shown without being made smaller
+    dataset = make_stereo(tmp_path / "large", frames=range(1), width_px=720)  # as large as is shown without being made smaller
     subject = subject_of(declare(dataset, "ring").record, dataset)
     assert subject is not None
     unanswered = pd.Series({"frame": 0, "sensor": "stereo-left", "outcome": "skipped"})
