@@ -11,7 +11,7 @@ from renderer.detection import FixedPattern, detect, exposure_time_s, fixed_patt
 from renderer.masks import fractions, light_mask
 from renderer.optics import blurred
 from renderer.partner import outside_of_partner
-from renderer.quality import PRESETS
+from renderer.quality import PRESETS, Preset
 from renderer.runner import Layers
 from renderer.sensor import Shutter, exposure_instants_s, longest_exposure_s
 from renderer.session import Session, View
@@ -40,8 +40,11 @@ class Photograph:
 class Photographer:
     """One camera of a scenario, ready to take any of its frames."""
 
-    def __init__(self, scenario: Scenario, name: str) -> None:
-        """Loads the target, finds the window that holds it in all frames, draws the detector's fixed pattern."""
+    def __init__(self, scenario: Scenario, name: str, preset: Preset | None = None) -> None:
+        """Loads the target, finds the window that holds it in all frames, draws the detector's fixed pattern.
+
+        ``preset`` replaces that of the scenario's quality.
+        """
         self._scenario, self._name = scenario, name
         self._camera: Camera = scenario.sensors[name]
         self._points = bounding_points(scenario.target)
@@ -53,7 +56,7 @@ class Photographer:
         self.session = Session(
             scenario,
             self._camera,
-            PRESETS[scenario.quality],
+            preset or PRESETS[scenario.quality],
             self._survey.size,
             moving=self._survey.moves,
             has_partner=self._partner is not None,

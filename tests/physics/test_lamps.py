@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.studio import Studio, box, camera, direct, scenario, still, total
-from scipy.integrate import quad, simpson, simpson
+from scipy.integrate import quad, simpson
 
 from renderer.quality import Preset
 from scenes.arrays import Floats
