@@ -18,6 +18,14 @@ MATERIAL = TypeAdapter(Material)
         ({"type": "coated", "base_reflectance": 0.5, "roughness": 0.0}, "greater than or equal to 0.001"),
         ({"type": "coated", "base_reflectance": 0.5, "roughness": 0.1, "refractive_index": 0.9}, "greater than 1"),
         ({"type": "metal", "n": -1.0, "k": 6.0, "roughness": 0.1}, "must not be negative"),
+        (
+            {"type": "film-on-metal", "n": 1.0, "k": 6.0, "film_index": 1.0, "film_transmittance": 1, "roughness": 0.1},
+            "greater than 1",
+        ),
+        (
+            {"type": "film-on-metal", "n": 1.0, "k": 6.0, "film_index": 1.5, "film_transmittance": 1.1, "roughness": 0.1},
+            "at most 1",
+        ),
         ({"type": "gold", "roughness": 0.1}, "tag"),
         ({"type": "paint", "reflectance": 0.5, "source": None}, "string"),
     ],
