@@ -173,7 +173,7 @@ TABLE = (
         "unknown material",
         (
             "own-target.toml: target.parts.0.material: no entry of the library's materials is called 'white'",
-            "aluminium, black-paint",
+            "aluminium, aluminium-brushed, black-paint",
         ),
         _in(OWN, "white-paint", "white"),
     ),
