@@ -13,6 +13,7 @@ from estimators.stereo_ring.detector_parameters import DetectorParameters
 from scenes.arrays import Bools, Floats
 
 _FROM_CONSTRAINT = np.array([[0.0, 0.0, 0.5], [0.0, -1.0, 0.0], [0.5, 0.0, 0.0]])  # inverse of 4AC − B² as a form in (A, B, C)
+_SMALLEST_SIZE_PX, _SMALLEST_SPREAD = 0.5, 1e-7
 
 
 def ellipse_fits(arcs: Arcs, groups: Groups, parameters: DetectorParameters, scale: float) -> Floats:
@@ -49,7 +50,7 @@ def direct_fits(scatter: Floats, slopes: Floats) -> tuple[Floats, Floats]:
         local = back @ scatter @ np.swapaxes(back, 1, 2)
         coefficients = _direct(local)
         found = np.einsum("nji,nj->ni", back, coefficients)
-        square = np.einsum("ni,nij,nj->n", found, scatter, found) / np.einsum("ni,nij,nj->n", found, slopes, found)
+        square = np.einsum("ni,nij,nj->n", coefficients, local, coefficients) / np.einsum("ni,nij,nj->n", found, slopes, found)
         return parameters_from_conics(conics_of_coefficients(found)), np.sqrt(np.maximum(square, 0))
 
 
@@ -64,7 +65,8 @@ def _normalising(scatter: Floats) -> Floats:
     """W (n, 6, 6) with m' = W m for u' = (u − ū)/s, v' = (v − v̄)/s: centroid and size are among the sums."""
     weight = scatter[:, 5, 5]
     u, v = scatter[:, 3, 5] / weight, scatter[:, 4, 5] / weight
-    size = np.sqrt(np.maximum((scatter[:, 0, 5] + scatter[:, 2, 5]) / weight - u * u - v * v, 1e-12) / 2)
+    square = ((scatter[:, 0, 5] + scatter[:, 2, 5]) / weight - u * u - v * v) / 2
+    size = np.sqrt(np.where(square > _SMALLEST_SIZE_PX**2, square, np.nan))
     W = np.zeros((len(scatter), 6, 6))
     p, q, k = u / size, v / size, 1 / size
     W[:, 0, 0], W[:, 0, 3], W[:, 0, 5] = k * k, -2 * p * k, p * p
@@ -77,7 +79,8 @@ def _normalising(scatter: Floats) -> Floats:
 def _direct(scatter: Floats) -> Floats:
     """Coefficients (n, 6) of the ellipses; NaN where the points determine none."""
     quadratic, mixed, linear = scatter[:, :3, :3], scatter[:, :3, 3:], scatter[:, 3:, 3:]
-    solvable = np.isfinite(scatter).all(axis=(1, 2)) & (np.abs(np.linalg.det(np.nan_to_num(linear))) > 1e-12)
+    spread = np.linalg.det(np.nan_to_num(linear)) / np.maximum(scatter[:, 5, 5], 1e-9) ** 3  # of points of size one: 0 on a line
+    solvable = np.isfinite(scatter).all(axis=(1, 2)) & (spread > _SMALLEST_SPREAD)
     safe = np.where(solvable[:, None, None], linear, np.eye(3))
     onto = -np.linalg.solve(safe, np.swapaxes(np.where(solvable[:, None, None], mixed, 0.0), 1, 2))
     system = _FROM_CONSTRAINT @ np.where(solvable[:, None, None], quadratic + mixed @ onto, np.eye(3))

@@ -94,7 +94,7 @@ def draw(scene: Scene, view: int):
     offset = -HEIGHT_M * np.array(scene.light[:2]) / scene.light[2]
     for share in np.linspace(0, 1, 12 if offset.any() else 1):
         paint_ellipse(picture, scene.conic(view, scene.radius_m, (*(share * offset), base)), value("shadow", SHADOW_DN))
-    for level in np.linspace(base, 0, 24):
+    for level in np.linspace(base, 0, 12):
         paint_ellipse(picture, scene.conic(view, scene.radius_m, (0, 0, level)), value("wall", WALL_DN))
     paint_ellipse(picture, scene.conic(view, scene.radius_m), value("top", TOP_DN))
     paint_ellipse(picture, scene.conic(view, scene.inner_m), value("inside", INSIDE_DN))
