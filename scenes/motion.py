@@ -42,8 +42,8 @@ class AxisSweep(Spec):
         rotation = Rotation.from_matrix(CHASER_FROM_PAPER) * paper_from_target
         return RigidTransform.from_components([0.0, 0.0, self.range_m], rotation)
 
-    def omega_target_rad_s(self) -> tuple[float, float, float]:
-        """Angular velocity of the target against the chaser, in target axes."""
+    def omega_target_rad_s(self, time_s: float) -> Vector3:  # noqa: ARG002
+        """Angular velocity of the target against the chaser, in target axes: always the same."""
         rate = -math.radians(self.rate_deg_s)
         return tuple(rate if name == self.axis else 0.0 for name in "xyz")  # type: ignore[return-value]
 
@@ -63,10 +63,50 @@ class Spin(Spec):
         rotation = Rotation.from_rotvec(self.rotation_vector_deg, degrees=True) * turned
         return RigidTransform.from_components(np.asarray(self.position_m) + np.asarray(self.velocity_m_s) * time_s, rotation)
 
-    def omega_target_rad_s(self) -> tuple[float, float, float]:
-        """Angular velocity of the target against the chaser, in target axes."""
+    def omega_target_rad_s(self, time_s: float) -> Vector3:  # noqa: ARG002
+        """Angular velocity of the target against the chaser, in target axes: always the same."""
         x, y, z = np.radians(self.omega_target_deg_s)
         return float(x), float(y), float(z)
+
+
+class NutationApproach(Spec):
+    """A target that nutates while it comes nearer: its z axis goes round a cone, its origin drifts at constant velocity.
+
+    R(t) = R₀ · R_z(φ) · R_x(ν) · R_z(s·t − φ) with φ = 2π t / period + phase (Euler's angles; Goldstein, section 4.4): R₀ is
+    ``rotation_vector_deg``, whose z axis is the cone's; ν is ``nutation_deg``, the angle that z keeps to it; s is
+    ``spin_deg_s`` about z. Without spin the target wobbles but comes back to the same attitude after each period.
+    """
+
+    type: Literal["nutation-approach"]
+    position_m: Vector3
+    velocity_m_s: Vector3 = (0.0, 0.0, 0.0)
+    rotation_vector_deg: Vector3 = (0.0, 0.0, 0.0)
+    nutation_deg: Annotated[float, Field(ge=0, lt=90)]
+    period_s: Positive
+    phase_deg: float = 0.0
+    spin_deg_s: float = 0.0
+
+    def chaser_from_target(self, time_s: float, frame: int, seed: int) -> RigidTransform:  # noqa: ARG002
+        """The pose at ``time_s``."""
+        round_cone, about_z = self._angles_rad(time_s)
+        wobble = Rotation.from_euler("ZXZ", [round_cone, math.radians(self.nutation_deg), about_z])
+        rotation = Rotation.from_rotvec(self.rotation_vector_deg, degrees=True) * wobble
+        return RigidTransform.from_components(np.asarray(self.position_m) + np.asarray(self.velocity_m_s) * time_s, rotation)
+
+    def omega_target_rad_s(self, time_s: float) -> Vector3:
+        """Angular velocity of the target against the chaser, in target axes: φ̇ sin ν (sin ψ, cos ψ, 0) + (φ̇ cos ν + ψ̇) z.
+
+        ψ = s·t − φ is the angle about z (Goldstein, eq. 4.87). Its length does not change.
+        """
+        tilt, rate, (_, about_z) = math.radians(self.nutation_deg), 2 * math.pi / self.period_s, self._angles_rad(time_s)
+        across = rate * math.sin(tilt)
+        along = rate * (math.cos(tilt) - 1) + math.radians(self.spin_deg_s)
+        return across * math.sin(about_z), across * math.cos(about_z), along
+
+    def _angles_rad(self, time_s: float) -> tuple[float, float]:
+        """φ, round the cone, and ψ, about z."""
+        round_cone = 2 * math.pi * time_s / self.period_s + math.radians(self.phase_deg)
+        return round_cone, math.radians(self.spin_deg_s) * time_s - round_cone
 
 
 class RandomViews(Spec):
@@ -86,9 +126,9 @@ class RandomViews(Spec):
         sight = np.array([math.tan(right), math.tan(down), 1.0])
         return RigidTransform.from_components(range_m * sight / np.linalg.norm(sight), attitude)
 
-    def omega_target_rad_s(self) -> tuple[float, float, float]:
+    def omega_target_rad_s(self, time_s: float) -> Vector3:  # noqa: ARG002
         """Nothing moves within a view."""
         return 0.0, 0.0, 0.0
 
 
-Motion = Annotated[AxisSweep | Spin | RandomViews, Field(discriminator="type")]
+Motion = Annotated[AxisSweep | Spin | NutationApproach | RandomViews, Field(discriminator="type")]

@@ -132,7 +132,6 @@ def realize(scenario: Scenario, seed: int, frame: int) -> Scene:
         time_s=time_s,
         chaser_from_target=pose,
         pose_at=lambda instant_s: scenario.motion.chaser_from_target(instant_s, frame, seed),
-        omega_target_rad_s=scenario.motion.omega_target_rad_s(),
+        omega_target_rad_s=scenario.motion.omega_target_rad_s(time_s),
         lights=lights,
     )
-

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from scenes.motion import CHASER_FROM_PAPER, AxisSweep, RandomViews, Spin
+from scenes.motion import CHASER_FROM_PAPER, AxisSweep, NutationApproach, RandomViews, Spin
 
 # The paper's camera axes from ours, P_paper = M P_cv: X backward, Y right, Z up.
 M = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -56,7 +56,7 @@ def test_angular_velocity_is_the_derivative_of_the_attitude(axis: str):
     for motion in (sweep, spin):
         before, after = (motion.chaser_from_target(5.0 + step, 0, 0).rotation for step in (-5e-4, 5e-4))
         in_target = (before.inv() * after).as_rotvec() / 1e-3
-        assert in_target == pytest.approx(motion.omega_target_rad_s(), abs=1e-9)
+        assert in_target == pytest.approx(motion.omega_target_rad_s(5.0), abs=1e-9)
 
 
 def test_a_spin_drifts_and_turns_evenly():
@@ -66,6 +66,60 @@ def test_a_spin_drifts_and_turns_evenly():
     turns = [spin.chaser_from_target(float(time), 0, 0).rotation for time in range(5)]
     steps = [(a.inv() * b).as_rotvec() for a, b in pairwise(turns)]
     assert np.ptp(steps, axis=0) == pytest.approx([0, 0, 0], abs=1e-12)
+
+
+def _nutation(**changes) -> NutationApproach:
+    tree = {"type": "nutation-approach", "position_m": (0.1, -0.2, 10.0), "velocity_m_s": (0.0, 0.01, -0.05)}
+    tree |= {"rotation_vector_deg": (170.0, 5.0, 20.0), "nutation_deg": 6.0, "period_s": 30.0, "phase_deg": 40.0}
+    return NutationApproach.model_validate(tree | changes)
+
+
+@pytest.mark.parametrize("spin_deg_s", [0.0, 3.0, -20.0])
+@pytest.mark.parametrize("time_s", [0.0, 7.3, 100.0])
+def test_nutation_has_the_angular_velocity_of_its_attitude(spin_deg_s: float, time_s: float):
+    motion = _nutation(spin_deg_s=spin_deg_s)
+    before, after = (motion.chaser_from_target(time_s + step, 0, 0).rotation for step in (-5e-4, 5e-4))
+    assert (before.inv() * after).as_rotvec() / 1e-3 == pytest.approx(motion.omega_target_rad_s(time_s), abs=1e-8)
+    assert np.linalg.norm(motion.omega_target_rad_s(time_s)) == pytest.approx(np.linalg.norm(motion.omega_target_rad_s(1.0)))
+
+
+def test_z_keeps_its_angle_to_the_cones_axis_and_goes_round_it_evenly():
+    motion = _nutation(spin_deg_s=11.0)
+    times = np.arange(0.0, 30.0, 3.0)
+    cone = Rotation.from_rotvec(motion.rotation_vector_deg, degrees=True)
+    z_axes = np.array([motion.chaser_from_target(time, 0, 0).rotation.apply([0.0, 0.0, 1.0]) for time in times])
+    in_cone = cone.inv().apply(z_axes)
+    assert np.degrees(np.arccos(in_cone[:, 2])) == pytest.approx(np.full(10, 6.0))
+    azimuth = np.unwrap(np.arctan2(in_cone[:, 1], in_cone[:, 0]))
+    assert np.degrees(np.diff(azimuth)) == pytest.approx(np.full(9, 36.0))
+
+
+def test_without_spin_nutation_comes_back_and_without_nutation_it_is_a_spin():
+    motion = _nutation()
+    start, later = motion.chaser_from_target(4.0, 0, 0), motion.chaser_from_target(34.0, 0, 0)
+    assert (start.rotation.inv() * later.rotation).magnitude() == pytest.approx(0.0, abs=1e-9)
+    assert later.translation - start.translation == pytest.approx([0.0, 0.3, -1.5])
+    turns = [motion.chaser_from_target(time, 0, 0).rotation for time in np.linspace(0, 30, 50, endpoint=False)]
+    mean = Rotation.concatenate(turns).mean()
+    assert (mean.inv() * Rotation.from_rotvec(motion.rotation_vector_deg, degrees=True)).magnitude() < 1e-7
+    flat = _nutation(nutation_deg=0.0, spin_deg_s=6.0)
+    spin = Spin(
+        type="spin",
+        position_m=flat.position_m,
+        velocity_m_s=flat.velocity_m_s,
+        rotation_vector_deg=flat.rotation_vector_deg,
+        omega_target_deg_s=(0, 0, 6.0),
+    )
+    for time_s in (0.0, 3.0, 50.0):
+        apart = flat.chaser_from_target(time_s, 0, 0).inv() * spin.chaser_from_target(time_s, 0, 0)
+        assert np.abs(apart.as_matrix() - np.eye(4)).max() < 1e-12
+        assert flat.omega_target_rad_s(time_s) == pytest.approx(spin.omega_target_rad_s(time_s))
+
+
+@pytest.mark.parametrize("changes", [{"nutation_deg": 90.0}, {"nutation_deg": -1.0}, {"period_s": 0.0}])
+def test_impossible_nutation_is_refused(changes: dict):
+    with pytest.raises(ValidationError):
+        _nutation(**changes)
 
 
 def _views(**changes) -> RandomViews:
@@ -107,7 +161,7 @@ def test_one_random_field_more_changes_no_other():
 def test_a_random_view_stands_still_within_its_exposure():
     views = _views()
     assert np.array_equal(views.chaser_from_target(0.0, 4, 1).as_matrix(), views.chaser_from_target(0.5, 4, 1).as_matrix())
-    assert views.omega_target_rad_s() == (0.0, 0.0, 0.0)
+    assert views.omega_target_rad_s(0.25) == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("range_m", [0.0, -3.0, {"draw": "uniform", "low": -3.0, "high": 9.0}])
