@@ -17,12 +17,13 @@ from scenes.arrays import Floats
 from scenes.dataset import Dataset
 from scenes.intrinsics import Intrinsics
 
-# What the light did, as bits of the mask layer, and its colour on the page; a later entry covers an earlier one.
+# What the light did, as bits of the mask layer, and its colour on the page; a later entry covers an earlier one. Bare metal is
+# specular wherever any light falls on it, so a shadow covers that.
 LIGHT_STATES = (
     ("lit", 1, "#e8d8a0"),
+    ("specular", 8, "#4fb3bf"),
     ("attached shadow", 2, "#34507a"),
     ("cast shadow", 4, "#8a3f8f"),
-    ("specular", 8, "#4fb3bf"),
     ("saturated", 16, "#d9480f"),
 )
 AXIS_COLOURS = ("#ff5252", "#4ade80", "#60a5fa")  # x, y, z

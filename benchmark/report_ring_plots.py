@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from benchmark.report_plots import FAINT, INK, MARKERS, SERIES, themed
 from scenes.arrays import Bools, Floats
@@ -50,6 +51,7 @@ def ring_plot(tracks: Sequence[RingTrack], salt: str, label: str) -> str:
         for row, track in enumerate(track for track in tracks if not track.answered.all()):
             _mark_failures(lower, track, row)
         lower.set_xlabel("frame", color=INK)
+        lower.xaxis.set_major_locator(MaxNLocator(integer=True))
         return themed(figure).replace('role="img"', f'role="img" aria-label="{escape(label)}"', 1)
 
 
