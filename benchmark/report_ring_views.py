@@ -14,11 +14,11 @@ from benchmark.metrics import WRONG_DEG
 from benchmark.predictions import Predictions
 from benchmark.report_ring_pictures import Strip, strip
 from benchmark.report_ring_plots import RingTrack, ring_plot
+from benchmark.report_ring_printed import PrintedView, printed_view
 from benchmark.results import Results
 from benchmark.ring_scores import WRONG_OF_RANGE
 from benchmark.ring_subject import subject_of
 from benchmark.ring_summary import RingSummary
-from benchmark.suite import PublishedRing
 from scenes.dataset import Dataset
 
 _RIGHT = {1.0: "the ring", 0.0: "another ring"}
@@ -41,38 +41,6 @@ class RingEntryView:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cell:
-    """A figure of ours beside a printed one; None where there is none."""
-
-    value: float | None
-    is_met: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PrintedRow:
-    """One printed figure and ours, a cell for each entry."""
-
-    what: str
-    printed: float | None
-    cells: tuple[Cell, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PrintedView:
-    """What a paper printed for a case, with the reason for what is not met."""
-
-    source: str
-    rows: tuple[PrintedRow, ...]
-    reason: str
-    is_uniform: bool
-
-    @property
-    def is_met(self) -> bool:
-        """Whether every figure of every method is at most the printed one."""
-        return all(cell.is_met for row in self.rows for cell in row.cells)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class RingView:
     """Everything about one ring of one case."""
 
@@ -88,7 +56,8 @@ def ring_view(folder: Path, index: Results, dataset: Dataset, rows: Sequence[Row
     entries = tuple(_entry(folder, dataset, row, titles.index(row.entry.title)) for row in rows)
     tracks = [_track(entry) for entry in entries]
     plot = ring_plot(tracks, f"{case}-{feature}", f"{case}, {feature}: error against frame for {len(entries)} methods")
-    printed = tuple(_printed(one, entries) for one in index.published_rings if one.case == case)
+    summaries = [row.summary for row in rows]
+    printed = tuple(printed_view(one, summaries) for one in index.published_rings if one.case == case)
     return RingView(feature, plot, entries, printed)
 
 
@@ -170,22 +139,3 @@ def _caption(score: pd.Series, answers: Predictions, name: str) -> str:
     which = _RIGHT.get(score["ring_right"], "ring not given")
     angles = f"normal {score['normal_error_deg']:.2f}°, about the normal {score['about_normal_error_deg']:+.2f}°"
     return minus(f"{head}: {placed}{angles}; {which}")
-
-
-def _printed(printed: PublishedRing, entries: Sequence[RingEntryView]) -> PrintedView:
-    """The printed figures in rows: three of position, three of rotation, the time."""
-    motions = [entry.ring.frame_to_frame for entry in entries]
-    rows = []
-    for place, axis in enumerate("xyz"):
-        ours = [None if one is None else one.noise.position_cm[place] for one in motions]
-        rows.append(_row(f"position {axis} (cm)", printed.f2f_position_cm[place], ours))
-    for place, axis in enumerate("xyz"):
-        ours = [None if one is None else one.noise.rotation_deg[place] for one in motions]
-        rows.append(_row(f"rotation {axis} (deg)", printed.f2f_rotation_deg[place], ours))
-    rows.append(_row("time a frame (s)", printed.cpu_s, [entry.row.summary.cpu_s_per_frame for entry in entries]))
-    uniform = all(one.is_uniform for one in motions if one is not None)
-    return PrintedView(printed.source, tuple(rows), printed.reason, uniform)
-
-
-def _row(what: str, printed: float | None, ours: Sequence[float | None]) -> PrintedRow:
-    return PrintedRow(what, printed, tuple(Cell(one, printed is None or (one is not None and one <= printed)) for one in ours))
