@@ -2,6 +2,7 @@
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from pydantic import Field
 
 from benchmark.figure import Figure, figure_of, mean, median, p95, sd
@@ -128,14 +129,21 @@ def _cpu(scores: pd.DataFrame) -> dict[str, object]:
     found = {str(name): STAGE.fullmatch(str(name)) for name in scores}
     stages = {match[1]: _numbers(scores, name) for name, match in found.items() if match is not None}
     fields: dict[str, object] = {"stage_cpu_s": {stage: float(one.mean()) for stage, one in stages.items() if one.size}}
-    if "acquired" not in scores or scores["acquired"].isna().all():
+    acquired = _acquired(scores)
+    if acquired is None:
         return fields
-    acquired = (scores["acquired"] == 1.0).to_numpy()
     tracked = ~acquired & (scores["outcome"] == "ok").to_numpy()
     for kind, at in (("acquisition", acquired), ("tracking", tracked)):
         cpu_s = _numbers(scores[at], "cpu_s")
         fields |= {f"{kind}_frames": int(at.sum()), f"{kind}_cpu_s": float(cpu_s.mean()) if cpu_s.size else None}
     return fields
+
+
+def _acquired(scores: pd.DataFrame) -> NDArray[np.bool_] | None:
+    """Where a detection from scratch ran: as the method says, else where it spent time on a stage ``acquire``; None if unknown."""
+    if "acquired" in scores and scores["acquired"].notna().any():
+        return (scores["acquired"] == 1.0).to_numpy()
+    return (scores["cpu_acquire_s"] > 0).to_numpy() if "cpu_acquire_s" in scores else None
 
 
 def _frame_to_frame(scores: pd.DataFrame) -> FrameToFrame | None:

@@ -275,6 +275,26 @@ def test_cpu_time_is_kept_by_stage_and_by_acquisition_and_tracking(stereo: Datas
     assert (ring.tracking_frames, ring.tracking_cpu_s) == (10, pytest.approx(0.08))
 
 
+def test_without_a_word_on_it_acquisition_is_where_time_was_spent_on_acquiring(stereo: Dataset) -> None:
+    answers = _answers(stereo, extras=lambda frame: {"cpu_acquire_s": 0.3} if frame < 2 else {"cpu_track_s": 0.05}, missing=(0, 11))
+    ring = judge(answers, stereo).summaries[0].ring
+    assert ring is not None
+    assert (ring.acquisition_frames, ring.tracking_frames) == (2, 9)  # a failed acquisition costs its time too
+    without = judge(_answers(stereo, extras=lambda _: {"cpu_detect_s": 0.3}), stereo).summaries[0].ring
+    assert without is not None
+    assert (without.acquisition_cpu_s, without.tracking_cpu_s) == (None, None)
+
+
+def test_frames_in_which_a_filter_settles_are_not_summarised(stereo: Dataset) -> None:
+    answers = _answers(stereo, shift_m=lambda frame: (0.5, 0.0, 0.0) if frame < 4 else (0.01, 0.0, 0.0))
+    judgement = judge(answers, stereo, settle_s=4.0)
+    summary, ring = judgement.summaries[0], judgement.summaries[0].ring
+    assert ring is not None
+    assert ring.bias_mm is not None
+    assert (len(judgement.scores), summary.frames, summary.wrong) == (12, 8, 0)
+    assert ring.bias_mm[0].value == pytest.approx(10.0)
+
+
 def test_an_outside_method_that_declares_no_pair_is_judged_with_the_only_rig(stereo: Dataset, exact_ellipses: Ellipses) -> None:
     answers = _answers(stereo, extras=exact_ellipses(stereo))
     assert answers.record.knowledge is not None
