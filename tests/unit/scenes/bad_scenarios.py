@@ -107,7 +107,10 @@ TABLE = (
     Bad("unknown choice", ("motion.axis: got 'w', must be one of x, y, z",), _in(SCENARIO, '"y"', '"w"')),
     Bad(
         "unknown type",
-        ("shape.type: got 'bocks', must be one of box, crinkled-box, cylinder, tube, cone, dish, lathe, sphere, mesh; did you mean 'box'?",),
+        (
+            "shape.type: got 'bocks', must be one of box, crinkled-box, cylinder, tube, cone, dish, lathe, sphere, mesh; "
+            "did you mean 'box'?",
+        ),
         _in(OWN, '"box", size_m', '"bocks", size_m'),
     ),
     Bad("no type", ("shape: got a table of size_m, must have a key 'type'",), _in(OWN, 'type = "box", ', "")),
