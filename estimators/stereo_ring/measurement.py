@@ -1,0 +1,119 @@
+"""One circle in space, measured in both views at once: edge points about its two ellipses, one joint fit, ever narrower.
+
+Two ellipses fitted apart have ten freedoms and follow whatever lies nearby; the circle has six, so that the edge of a wall, of
+a shadow or of the inside, which the other view sees elsewhere, does not pull it. What counts as support is an edge near the
+*joint* circle's picture in the view.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimators.stereo_ring.circle_cone import Circle, conics_of_circles
+from estimators.stereo_ring.circle_fit import CircleFit, fit_circle
+from estimators.stereo_ring.conics import Ellipse, ellipse_from_parameters, parameters_from_conics, sampson_px
+from estimators.stereo_ring.edge_peaks import edge_peaks
+from estimators.stereo_ring.parameters import MeasureParameters
+from estimators.stereo_ring.pictures import Smoothed
+from estimators.stereo_ring.refine import stations_on
+from estimators.stereo_ring.rig import Rig
+from scenes.arrays import Floats
+
+Views = tuple[Smoothed, Smoothed]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """A circle with what speaks for it: per view the ellipse, the share of stations with an edge near it, and those edges' rms."""
+
+    fit: CircleFit
+    ellipses: tuple[Ellipse, Ellipse]
+    share: tuple[float, float]
+    rms_px: tuple[float, float]
+
+    @property
+    def circle(self) -> Circle:
+        """The circle itself, left camera axes."""
+        return self.fit.circle
+
+    @property
+    def support(self) -> float:
+        """The smaller of the two shares, less for a loose fit: what hypotheses are ranked by."""
+        return min(self.share) - 0.3 * max(self.rms_px)
+
+    def is_within(self, share: float, rms_px: float) -> bool:
+        """Whether both views see at least this share, scattering by no more than this."""
+        return min(self.share) >= share and max(self.rms_px) <= rms_px
+
+
+def measured(
+    views: Views, rig: Rig, start: Circle, windows_px: Sequence[float], p: MeasureParameters, fine: bool = True
+) -> Measured | None:
+    """The edge near ``start``, searched in ``windows_px`` to both sides; None where the fit leaves the picture.
+
+    ``fine``: all stations in the last window; without, an answer that is good enough to choose by.
+    """
+    circle = start
+    fit: CircleFit | None = None
+    for number, window in enumerate(windows_px, 1):
+        count = p.stations if number == len(windows_px) and fine else p.coarse_stations
+        conics = [conics_of_circles(circle.centre_m, circle.normal, circle.radius_m, m) for m in rig.projections]
+        points = [_edges(view, conic, window, count, p) for view, conic in zip(views, conics, strict=True)]
+        fit = _trimmed_fit(rig, points[0], points[1], circle, p, trims=p.trims if number > 1 else 0)
+        if fit is None:
+            return None
+        circle = fit.circle
+    return None if fit is None else judged(views, rig, fit, p)
+
+
+def _trimmed_fit(rig: Rig, left_px: Floats, right_px: Floats, start: Circle, p: MeasureParameters, trims: int) -> CircleFit | None:
+    """The joint fit, repeated without the points that are far from it: edges of other things lie to one side and would pull."""
+    kept = (left_px, right_px)
+    fit: CircleFit | None = None
+    for trim in range(trims + 1):
+        if trim:
+            assert fit is not None
+            kept = (_kept(left_px, fit, rig.projections[0], p), _kept(right_px, fit, rig.projections[1], p))
+        if min(len(kept[0]), len(kept[1])) < p.least_points:
+            return None
+        fit = fit_circle(rig, kept[0], kept[1], start if fit is None else fit.circle, p.loss_px)
+        if fit is None:
+            return None
+    return fit
+
+
+def _edges(view: Smoothed, conic: Floats, window_px: float, count: int, p: MeasureParameters) -> Floats:
+    """Edge points (n, 2) px about one conic (3, 3); none if it is no ellipse."""
+    ellipse = parameters_from_conics(conic)
+    if not np.isfinite(ellipse).all():
+        return np.empty((0, 2))
+    stations, normals = stations_on(ellipse, count)
+    peaks = edge_peaks(view, stations, normals, window_px, p.least_gradient_dn)
+    return np.asarray((stations + peaks.distance_px[:, None] * normals)[peaks.found])
+
+
+def _kept(points_px: Floats, fit: CircleFit, projection: Floats, p: MeasureParameters) -> Floats:
+    """Without the points farther from the circle than a multiple of their robust scatter."""
+    circle = fit.circle
+    distance = np.abs(sampson_px(conics_of_circles(circle.centre_m, circle.normal, circle.radius_m, projection), points_px))
+    scale = 1.4826 * float(np.median(distance)) if distance.size else 0.0
+    return np.asarray(points_px[distance <= np.clip(p.trim_sigmas * scale, p.trim_px, p.trim_most_px)])
+
+
+def judged(views: Views, rig: Rig, fit: CircleFit, p: MeasureParameters) -> Measured | None:
+    """What the views say to a circle that has been fitted."""
+    circle = fit.circle
+    shares, scatters, ellipses = [], [], []
+    for view, projection in zip(views, rig.projections, strict=True):
+        conic = conics_of_circles(circle.centre_m, circle.normal, circle.radius_m, projection)
+        parameters = parameters_from_conics(conic)
+        if not np.isfinite(parameters).all():
+            return None
+        distance = np.abs(sampson_px(conic, _edges(view, conic, p.judge_window_px, p.judge_stations, p)))
+        near = distance[distance <= p.near_px]
+        shares.append(near.size / p.judge_stations)
+        within = distance[distance <= p.rms_within_px]
+        scatters.append(float(np.sqrt(np.mean(within**2))) if within.size else float("inf"))
+        ellipses.append(ellipse_from_parameters(parameters))
+    return Measured(fit, (ellipses[0], ellipses[1]), (shares[0], shares[1]), (scatters[0], scatters[1]))
