@@ -7,6 +7,7 @@ bright; a link counts where both choose each other.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -41,31 +42,35 @@ def arc_groups(arcs: Arcs, parameters: DetectorParameters, scale: float) -> Grou
     return Groups(members, np.asarray(np.sign(members @ arcs.bright_inside)))
 
 
-def _next_arcs(arcs: Arcs, parameters: DetectorParameters, scale: float) -> np.ndarray:
+def _next_arcs(arcs: Arcs, parameters: DetectorParameters, scale: float) -> NDArray[np.intp]:
     """Index (n,) of the arc that follows, −1 where none does."""
-    cost = _link_costs(arcs, parameters, scale)
+    gap = arcs.ends[None, :, 0] - arcs.ends[:, None, 1]
+    distance = np.hypot(gap[..., 0], gap[..., 1])
+    reach = np.maximum(parameters.max_link_gap * (arcs.length[:, None] + arcs.length[None, :]) / 2, _NEAR)
+    possible = (distance <= reach) & (arcs.bright_inside[:, None] == arcs.bright_inside[None, :])
+    np.fill_diagonal(possible, val=False)
+    first, second = np.nonzero(possible)
+    cost = np.full(distance.shape, np.inf)
+    cost[first, second] = _link_costs(arcs, first, second, parameters, scale)
     after, before = cost.argmin(axis=1), cost.argmin(axis=0)
     index = np.arange(len(arcs))
     mutual = np.isfinite(cost[index, after]) & (before[after] == index)
     return np.where(mutual, after, -1)
 
 
-def _link_costs(arcs: Arcs, parameters: DetectorParameters, scale: float) -> Floats:
-    """Length of the gap (n, n) from the end of one arc to the start of another; infinite where they cannot be neighbours."""
-    gap = arcs.ends[None, :, 0] - arcs.ends[:, None, 1]
-    distance = np.hypot(gap[..., 0], gap[..., 1])
-    leaving = turned(arcs.direction, arcs.half_turn)[:, None]
-    entering = turned(arcs.direction, -arcs.half_turn)[None, :]
-    total = signed_angle(leaving, entering)
-    into, out = signed_angle(leaving, gap), signed_angle(gap, entering)
+def _link_costs(
+    arcs: Arcs, first: NDArray[np.intp], second: NDArray[np.intp], parameters: DetectorParameters, scale: float
+) -> Floats:
+    """Gap (k,) from the end of the first arcs to the start of the second, plus their turn; infinite where they cannot follow."""
+    gap = arcs.ends[second, 0] - arcs.ends[first, 1]
+    distance = np.hypot(gap[:, 0], gap[:, 1])
+    leaving = turned(arcs.direction, arcs.half_turn)[first]
+    entering = turned(arcs.direction, -arcs.half_turn)[second]
+    total, into, out = signed_angle(leaving, entering), signed_angle(leaving, gap), signed_angle(gap, entering)
     even = np.abs(into - out) / 2 <= np.radians(parameters.link_tolerance_deg)
     onward = (np.abs(into) < np.pi / 2) & (np.abs(out) < np.pi / 2)
-    near = distance <= _NEAR
     turning = (total >= -np.radians(_BACK_DEG)) & (total <= np.radians(parameters.max_link_turn_deg))
-    reach = parameters.max_link_gap * (arcs.length[:, None] + arcs.length[None, :]) / 2
-    alike = arcs.bright_inside[:, None] == arcs.bright_inside[None, :]
-    possible = turning & alike & (near | (even & onward & (distance <= reach)))
-    np.fill_diagonal(possible, val=False)
+    possible = turning & ((distance <= _NEAR) | (even & onward))
     return np.where(possible, distance + scale * np.degrees(np.abs(total)) / 4, np.inf)
 
 

@@ -14,9 +14,23 @@ from estimators.stereo_ring.segments import Reduced
 from scenes.arrays import Bools, Floats
 
 _ALONG_HALF, _ASIDE = 8, np.array([-1.0, 0.0, 1.0])  # samples of each half along the segment and beside it
-_POINTS = 7  # edge points that stand for an arc
+_POINTS = 7  # edge points that stand for a segment
 _REACH, _REACH_OF_LENGTH = 1.5, 0.06  # how far from the chord the edge is looked for: a 45° arc bulges by 0.05 of its length
 _MOST_REACH = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """n segments in reduced pixels: ``ends`` (n, 2, 2), ``length`` (n,), unit ``brighter`` (n, 2) across the chord to the bright
+    side, ``turns`` (n, 2) rad of the halves' mean gradients from that of the whole, edge ``points`` (n, 7, 2), ``weights`` (n, 7).
+    """
+
+    ends: Floats
+    length: Floats
+    brighter: Floats
+    turns: Floats
+    points: Floats
+    weights: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,23 +57,29 @@ class Arcs:
         return quarter_turned(self.direction)
 
 
-def arc_support(picture: Reduced, segments: Floats, parameters: DetectorParameters) -> Arcs:
-    """The longest segments (n, 2, 2) that support an arc."""
-    direction, length = _directed(segments)
-    halves = _half_gradients(picture, segments, direction)
+def edge_pieces(picture: Reduced, segments: Floats) -> Pieces:
+    """What the gradient says of segments (n, 2, 2)."""
+    along = segments[:, 1] - segments[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    across = quarter_turned(along / length[:, None])
+    halves = _half_gradients(picture, segments, across)
     whole = halves.sum(axis=1)
-    before, after = signed_angle(whole, halves[:, 0]), signed_angle(whole, halves[:, 1])
+    brighter = across * np.where(np.sum(whole * across, axis=1) < 0, -1.0, 1.0)[:, None]
+    points, weights = _edge_points(picture, segments, brighter, length)
+    return Pieces(segments, length, brighter, signed_angle(whole[:, None], halves), points, weights)
+
+
+def arc_support(pieces: Pieces, parameters: DetectorParameters) -> Arcs:
+    """The longest pieces that support an arc."""
+    before, after = pieces.turns.T
     least = np.radians(parameters.min_half_turn_deg)
-    bent = (before * after < 0) & (np.minimum(np.abs(before), np.abs(after)) >= least)
-    keep = np.flatnonzero(bent)
-    keep = np.sort(keep[np.argsort(-length[keep], kind="stable")[: parameters.most_arcs]])
-    backward = after[keep] < 0
-    ends = np.where(backward[:, None, None], segments[keep][:, ::-1], segments[keep])
-    direction = np.where(backward[:, None], -direction[keep], direction[keep])
-    bright_inside = np.sign(np.sum(whole[keep] * quarter_turned(direction), axis=1))
-    half_turn = np.abs(before[keep]) + np.abs(after[keep])  # a half's mean is that of its middle: twice as far to its end
-    points, weights = _edge_points(picture, ends, direction, length[keep], bright_inside)
-    return Arcs(ends, direction, length[keep], half_turn, bright_inside, points, weights)
+    keep = np.flatnonzero((before * after < 0) & (np.abs(pieces.turns).min(axis=1) >= least))
+    keep = np.sort(keep[np.argsort(-pieces.length[keep], kind="stable")[: parameters.most_arcs]])
+    ends = np.where((after[keep] < 0)[:, None, None], pieces.ends[keep][:, ::-1], pieces.ends[keep])
+    direction = (ends[:, 1] - ends[:, 0]) / pieces.length[keep][:, None]
+    bright_inside = np.sign(np.sum(pieces.brighter[keep] * quarter_turned(direction), axis=1))
+    half_turn = np.abs(pieces.turns[keep]).sum(axis=1)  # a half's mean is that of its middle: twice as far to its end
+    return Arcs(ends, direction, pieces.length[keep], half_turn, bright_inside, pieces.points[keep], pieces.weights[keep])
 
 
 def quarter_turned(vectors: Floats) -> Floats:
@@ -73,32 +93,24 @@ def signed_angle(first: Floats, second: Floats) -> Floats:
     return np.asarray(np.arctan2(cross, np.sum(first * second, axis=-1)))
 
 
-def _directed(segments: Floats) -> tuple[Floats, Floats]:
-    along = segments[:, 1] - segments[:, 0]
-    length = np.linalg.norm(along, axis=1)
-    return along / length[:, None], length
-
-
-def _half_gradients(picture: Reduced, segments: Floats, direction: Floats) -> Floats:
+def _half_gradients(picture: Reduced, segments: Floats, across: Floats) -> Floats:
     """Sums (n, 2 halves, 2) of the gradient along the segment and one pixel to both sides."""
     share = (np.arange(2 * _ALONG_HALF) + 0.5) / (2 * _ALONG_HALF)
     on = segments[:, None, 0] + share[:, None] * (segments[:, None, 1] - segments[:, None, 0])
-    beside = on[:, :, None] + _ASIDE[:, None] * quarter_turned(direction)[:, None, None]
-    along = picture.sampled(beside).sum(axis=2)
+    along = picture.sampled(on[:, :, None] + _ASIDE[:, None] * across[:, None, None]).sum(axis=2)
     return np.stack([along[:, :_ALONG_HALF].sum(axis=1), along[:, _ALONG_HALF:].sum(axis=1)], axis=1)
 
 
-def _edge_points(picture: Reduced, ends: Floats, direction: Floats, length: Floats, bright_inside: Floats) -> tuple[Floats, Floats]:
-    """Where the gradient of the arc's own sense is strongest across the chord: points (n, 7, 2), weights 1 or 0 (n, 7)."""
+def _edge_points(picture: Reduced, segments: Floats, brighter: Floats, length: Floats) -> tuple[Floats, Floats]:
+    """Where the gradient to the bright side is strongest across the chord: points (n, 7, 2), weights 1 or 0 (n, 7)."""
     share = (np.arange(_POINTS) + 0.5) / _POINTS
-    on = ends[:, None, 0] + share[:, None] * (ends[:, None, 1] - ends[:, None, 0])
-    inward = quarter_turned(direction)
+    on = segments[:, None, 0] + share[:, None] * (segments[:, None, 1] - segments[:, None, 0])
     offsets = np.arange(-_MOST_REACH, _MOST_REACH + 1.0)
-    across = on[:, :, None] + offsets[:, None] * inward[:, None, None]
-    slope = np.einsum("nkoc,nc->nko", picture.sampled(across), inward * bright_inside[:, None])
+    across = on[:, :, None] + offsets[:, None] * brighter[:, None, None]
+    slope = np.einsum("nkoc,nc->nko", picture.sampled(across), brighter)
     far = np.abs(offsets) > np.minimum(_REACH + _REACH_OF_LENGTH * length, _MOST_REACH - 1)[:, None, None]
     offset, found = peak_offset(np.where(far, -np.inf, slope), slope)
-    return on + (offset - _MOST_REACH)[..., None] * inward[:, None], found.astype(np.float64)
+    return on + (offset - _MOST_REACH)[..., None] * brighter[:, None], found.astype(np.float64)
 
 
 def peak_offset(allowed: Floats, values: Floats) -> tuple[Floats, Bools]:

@@ -15,8 +15,8 @@ from estimators.stereo_ring.ellipse_fits import direct_fits, point_scatter
 from estimators.stereo_ring.segments import Reduced
 from scenes.arrays import Bools, Floats
 
-_QUICK, _FULL, _FINE = 30, 90, 180  # samples: to dismiss, to judge, to refit
-_QUICK_SHARE = 0.7  # of the coverage asked for, to be looked at again
+_QUICK, _FULL, _FINE = 30, 90, 120  # samples: to dismiss, to judge, to refit
+_FIRST_SHARE, _QUICK_SHARE = 0.4, 0.7  # of the coverage asked for, to be looked at again
 _REACH = 3  # reduced pixels across, when refitting
 _INLIER_PX = 1.5  # reduced pixels from the ellipse, when refitting
 
@@ -35,10 +35,15 @@ class Covered:
         return Covered(self.ellipses[index], self.coverage[index], self.bright_inside[index], self.rms[index])
 
 
-def verified(picture: Reduced, ellipses: Floats, parameters: DetectorParameters) -> Covered:
-    """The ellipses (n, 5) that are covered as far as is asked for."""
+def promising(picture: Reduced, ellipses: Floats, parameters: DetectorParameters) -> Floats:
+    """Of the ellipses (n, 5), those at first sight best covered, at least by part of what is asked for."""
     quick, _ = coverage_of(picture, ellipses, parameters, _QUICK)
-    ellipses = ellipses[quick >= _QUICK_SHARE * parameters.min_coverage]
+    best = np.argsort(-quick, kind="stable")[: parameters.most_grown]
+    return np.asarray(ellipses[best[quick[best] >= _FIRST_SHARE * parameters.min_coverage]])
+
+
+def verified(picture: Reduced, ellipses: Floats, parameters: DetectorParameters) -> Covered:
+    """The ellipses (n, 5) that are covered nearly as far as is asked for."""
     coverage, sense = coverage_of(picture, ellipses, parameters, _FULL)
     unknown = np.full(len(ellipses), np.nan)
     return Covered(ellipses, coverage, sense, unknown).taken(np.flatnonzero(coverage >= _QUICK_SHARE * parameters.min_coverage))
@@ -49,30 +54,40 @@ def coverage_of(picture: Reduced, ellipses: Floats, parameters: DetectorParamete
     reach = parameters.distance_px * picture.scale
     offsets = np.linspace(-reach, reach, 2 * int(np.ceil(reach)) + 1)
     slope, strength = _slopes(picture, ellipses, samples, offsets)
-    stands = (strength >= parameters.min_gradient_dn_px / picture.scale) & (
-        np.abs(slope) >= np.cos(np.radians(parameters.normal_tolerance_deg)) * strength
-    )
+    stands = _stands(slope, strength, parameters, picture.scale)
     brighter, darker = ((stands & (slope * sign < 0)).any(axis=2).mean(axis=1) for sign in (1, -1))
     either = stands.any(axis=2).mean(axis=1)
     sense = (brighter - darker) / np.maximum(brighter + darker, 1e-9)
     return np.maximum(brighter, darker) if parameters.polarity == "same" else either, sense
 
 
-def refitted(picture: Reduced, found: Covered, parameters: DetectorParameters, rounds: int = 2) -> Covered:
-    """The ellipses drawn onto the gradient's peaks beside them, each with the rms distance of the peaks that it explains."""
+def refitted(plain: Reduced, picture: Reduced, found: Covered, parameters: DetectorParameters, rounds: int = 2) -> Covered:
+    """The ellipses drawn onto the gradient's peaks beside them, each with the rms distance of the peaks that it explains.
+
+    The peaks are those of ``plain``, in DN as they are; the coverage is that of ``picture``.
+    """
     ellipses, offsets = found.ellipses, np.arange(-_REACH - 1.0, _REACH + 2.0)
     rms = found.rms
     for _ in range(rounds):
         points, outward = _stations(ellipses, _FINE)
-        slope, _ = _slopes(picture, ellipses, _FINE, offsets)
+        slope, strength = _slopes(plain, ellipses, _FINE, offsets)
+        seen = (slope, strength) if picture is plain else _slopes(picture, ellipses, _FINE, offsets)
+        stands = _stands(*seen, parameters, picture.scale)
         signed = slope * -np.sign(found.bright_inside)[:, None, None] if parameters.polarity == "same" else np.abs(slope)
         at, is_peak = peak_offset(signed[..., 1:-1], signed[..., 1:-1])
         edge = points + (at - _REACH)[..., None] * outward
-        strong = is_peak & (signed.max(axis=2) >= parameters.min_gradient_dn_px / picture.scale)
+        nearest = np.rint(at).astype(np.intp)[..., None] + 1
+        strong = is_peak & np.take_along_axis(stands, nearest, axis=2)[..., 0]
         new, rms = _trimmed_fit(edge, strong)
         ellipses = np.where(np.isfinite(new), new, ellipses)
     coverage, sense = coverage_of(picture, ellipses, parameters, _FULL)
     return Covered(ellipses, coverage, sense, rms)
+
+
+def _stands(slope: Floats, strength: Floats, parameters: DetectorParameters, scale: float) -> Bools:
+    """Where the gradient is strong enough and along the normal."""
+    steep = np.abs(slope) >= np.cos(np.radians(parameters.normal_tolerance_deg)) * strength
+    return np.asarray(steep & (strength >= parameters.min_gradient_dn_px / scale))
 
 
 def _trimmed_fit(edge: Floats, usable: Bools) -> tuple[Floats, Floats]:

@@ -6,16 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.stereo_ring.arc_groups import arc_groups
-from estimators.stereo_ring.arcs import arc_support
+from estimators.stereo_ring.arcs import arc_support, edge_pieces
 from estimators.stereo_ring.clusters import distinct
 from estimators.stereo_ring.conics import Ellipse, ellipse_from_parameters
-from estimators.stereo_ring.coverage import Covered, refitted, verified
+from estimators.stereo_ring.coverage import Covered, promising, refitted, verified
 from estimators.stereo_ring.detector_parameters import DetectorParameters
 from estimators.stereo_ring.ellipse_fits import ellipse_fits
+from estimators.stereo_ring.growth import grown
 from estimators.stereo_ring.segments import in_camera_pixels, line_segments, reduced
 from scenes.arrays import Floats
 
-_ROOM = 3  # so many times the candidates that are asked for are refitted
+_ROOM = 2  # so many times the candidates that are asked for are refitted
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +32,16 @@ class Candidate:
 
 def detect_ellipses(picture: NDArray[np.uint8], parameters: DetectorParameters) -> tuple[Candidate, ...]:
     """The ellipses of an eight-bit picture (height, width), the best covered first; none in a picture without edges."""
-    small = reduced(picture, parameters)
-    arcs = arc_support(small, line_segments(small, parameters), parameters)
+    plain = reduced(picture, parameters)  # a root moves edges to their dark side: it may find, not measure
+    small = reduced(picture, parameters, parameters.root_dn) if parameters.root_dn else plain
+    pieces = edge_pieces(small, line_segments(small, parameters))
+    arcs = arc_support(pieces, parameters)
     groups = arc_groups(arcs, parameters, small.scale)
-    fits = ellipse_fits(arcs, groups, parameters, small.scale)
-    found = verified(small, fits, parameters)
+    fits = promising(small, ellipse_fits(arcs, groups, parameters, small.scale), parameters)
+    found = verified(small, grown(fits, pieces, parameters, small.scale), parameters)
     nearer_than = parameters.duplicate_px * small.scale
     found = found.taken(distinct(found.ellipses, found.coverage, nearer_than, _ROOM * parameters.most_candidates))
-    found = refitted(small, found, parameters)
+    found = refitted(plain, small, found, parameters)
     found = found.taken(np.flatnonzero(_is_right(found, parameters, small.scale)))
     found = found.taken(distinct(found.ellipses, found.coverage - found.rms, nearer_than, parameters.most_candidates))
     return _candidates(found, small.scale)

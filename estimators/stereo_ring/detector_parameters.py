@@ -17,6 +17,7 @@ class DetectorParameters(Spec):
     # the picture that is looked at
     scale: Annotated[float, Field(gt=0, le=1)] = 0.5  # of the camera's picture
     blur_px: Positive = 1.5  # Gaussian sigma before the gradient
+    root_dn: Positive | None = 8.0  # edges in √(DN + this): photon noise becomes even, the dark counts; None: in DN as they are
 
     # line segments (LSD) and which of them support an arc
     lsd_angle_deg: Positive = 22.5
@@ -39,10 +40,13 @@ class DetectorParameters(Spec):
     convexity_px: NonNegative = 4.0  # how far a group may lie beyond the tangents of another
     convexity_share: Fraction = 0.05  # share of tangent-point pairs that may
 
+    growth_px: Positive = 6.0  # how far from a first ellipse segments are taken onto it
+    most_grown: Count = 100  # ellipses that grow, the best covered
+
     # the check of each ellipse against the gradient
     normal_tolerance_deg: Positive = 22.5
     distance_px: Positive = 2.0
-    min_gradient_dn_px: Positive = 2.5  # of eight-bit DN a camera pixel
+    min_gradient_dn_px: Positive = 2.5  # eight-bit DN (after the root, if any) a camera pixel
     min_coverage: Fraction = 0.5
     duplicate_px: Positive = 4.0  # largest distance between two ellipses that are one
     most_candidates: Count = 24

@@ -17,6 +17,7 @@ Count = Annotated[int, Field(ge=1)]
 class PaperParameters(DetectorParameters):
     """The detector's numbers and those of the pipeline behind it."""
 
+    root_dn: Positive | None = None  # the paper's detector sees grey values as they are
     min_contrast_dn: Grey = 10  # brightest less darkest pixel; below it a picture is blank
 
     # the ring

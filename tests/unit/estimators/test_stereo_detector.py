@@ -8,13 +8,14 @@ import pytest
 import toy_ring as toy
 
 from estimators.stereo_ring.arc_groups import arc_groups
-from estimators.stereo_ring.arcs import arc_support, peak_offset
+from estimators.stereo_ring.arcs import arc_support, edge_pieces, peak_offset
 from estimators.stereo_ring.clusters import alike, distinct
 from estimators.stereo_ring.conics import conics_from_parameters, points_on_parameters
 from estimators.stereo_ring.coverage import coverage_of
 from estimators.stereo_ring.detector import detect_ellipses
 from estimators.stereo_ring.detector_parameters import DetectorParameters
 from estimators.stereo_ring.ellipse_fits import direct_fits, ellipse_fits, point_scatter
+from estimators.stereo_ring.growth import grown
 from estimators.stereo_ring.segments import in_camera_pixels, line_segments, reduced
 
 FRONT, ASIDE = (0.0, 0.0, 1.0), (-0.8, 0.2, 0.6)
@@ -153,7 +154,7 @@ def test_arcs_turn_about_their_centre_and_know_which_side_is_bright():
     parameters = DetectorParameters(scale=1.0)
     for inside, sense in ((160.0, 1), (5.0, -1)):
         small = reduced(drawn([300.0, 250.0, 160.0, 130.0, 0.3], inside), parameters)
-        arcs = arc_support(small, line_segments(small, parameters), parameters)
+        arcs = arc_support(edge_pieces(small, line_segments(small, parameters)), parameters)
         assert len(arcs) > 8
         assert (arcs.bright_inside == sense).all()
         towards = [300.0, 250.0] - arcs.ends.mean(axis=1)
@@ -171,7 +172,7 @@ def test_straight_edges_support_no_arc():
     small = reduced(toy.expose(picture, 0), parameters)
     segments = line_segments(small, parameters)
     assert len(segments) >= 4
-    assert len(arc_support(small, segments, parameters)) <= 1
+    assert len(arc_support(edge_pieces(small, segments), parameters)) <= 1
 
 
 def test_two_arcs_of_one_ellipse_are_fitted_together():
@@ -182,11 +183,54 @@ def test_two_arcs_of_one_ellipse_are_fitted_together():
     picture[305:] = 40
     parameters = DetectorParameters(min_coverage=0.2)
     small = reduced(picture, parameters)
-    arcs = arc_support(small, line_segments(small, parameters), parameters)
+    arcs = arc_support(edge_pieces(small, line_segments(small, parameters)), parameters)
     fits = ellipse_fits(arcs, arc_groups(arcs, parameters, small.scale), parameters, small.scale)
     best = min(detect_ellipses(picture, parameters), key=lambda one: np.abs(one.ellipse.parameters - truth)[:4].max())
     assert len(fits) > 0
     assert (np.abs(best.ellipse.parameters - truth)[:4] < [0.3, 0.3, 0.5, 4.0]).all()  # what is hidden is half known
+
+
+def foil(seed=3, size=700):
+    """Facets of random grey, as crinkled foil shows them: nearest of 1500 points."""
+    rng = np.random.default_rng(seed)
+    facets = np.full((size, size), -1, np.int32)
+    mask = np.full((size, size), 255, np.uint8)
+    points = rng.integers(0, size, (1500, 2))
+    mask[points[:, 1], points[:, 0]] = 0
+    _, facets = cv2.distanceTransformWithLabels(mask, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    return rng.gamma(1.0, 40.0, facets.max() + 1).clip(5, 230).astype(np.float32)[facets]
+
+
+def test_a_rings_inner_edge_on_foil_is_grown_from_pieces():
+    """Both sides of its edge change from facet to facet; photon noise as of two electrons a DN."""
+    truth, picture = np.array([350.0, 350.0, 260.0, 230.0, 0.3]), foil()
+    toy.paint_ellipse(picture, conics_from_parameters(truth), 60.0)
+    toy.paint_ellipse(picture, conics_from_parameters(truth - [0, 0, 24, 24, 0]), foil(4))
+    signal = cv2.GaussianBlur(picture, (5, 5), 0.6)
+    noisy = np.clip(np.random.default_rng(1).poisson(2 * signal) / 2, 0, 255).astype(np.uint8)
+    found = detect_ellipses(noisy, DetectorParameters(polarity="any"))
+    assert min(np.abs(one.ellipse.parameters - truth + [0, 0, 24, 24, 0])[:4].max() for one in found) < 1.0
+
+
+def test_the_root_of_the_grey_values_brings_out_a_dark_edge_and_does_not_move_it():
+    """A ring of 14 DN on 5: below the threshold as it is."""
+    truth = np.array([300.0, 250.0, 160.0, 130.0, 0.3])
+    picture = drawn(truth, inside=14.0, outside=5.0)
+    assert detect_ellipses(picture, DetectorParameters(root_dn=None)) == ()
+    (one,) = detect_ellipses(picture, DetectorParameters())
+    assert np.abs(one.ellipse.parameters - truth)[:4].max() < 0.25
+
+
+def test_growth_collects_what_lies_along_an_ellipse():
+    truth = np.array([300.0, 250.0, 160.0, 130.0, 0.3])
+    parameters = DetectorParameters(scale=1.0)
+    small = reduced(drawn(truth), parameters)
+    pieces = edge_pieces(small, line_segments(small, parameters))
+    start = np.add(truth, [2.0, -1.5, 2.0, -2.0, 0.0])
+    one, far = grown(np.stack([start, np.add(start, [60.0, 0, 0, 0, 0])]), pieces, parameters, 1.0)
+    assert np.abs(one - truth)[:4].max() < 0.2
+    assert np.abs(far - truth)[:4].max() > 10
+    assert grown(np.zeros((0, 5)), pieces, parameters, 1.0).shape == (0, 5)
 
 
 def test_direct_fits_of_summed_scatter_are_the_fits_of_all_points():
