@@ -36,7 +36,7 @@ def acquired(
     rig: Rig,
     p: TrackedParameters,
 ) -> Acquired:
-    """``pictures`` (h, w) of eight bits and ``views``, the same smoothed; ``candidates`` (k, 5): ellipses that a detector offers."""
+    """``pictures`` (h, w) of eight bits; ``views``: the same, smoothed; ``candidates`` (k, 5): ellipses that a detector offers."""
     good = (good_ellipses(views[0], candidates[0], p), good_ellipses(views[1], candidates[1], p))
     count = (len(good[0]), len(good[1]))
     if not any(count):
@@ -104,6 +104,7 @@ def _measured_best(views: Views, circles: list[Circle], rig: Rig, p: TrackedPara
     sound = [one for one in found if one is not None and one.is_within(p.acquire.share, p.acquire.rms_px)]
     if not sound:
         return None
-    best = max(sound, key=lambda one: one.support)
+    largest = max(one.circle.radius_m for one in sound)  # of dishes, nozzles and rings, the ring is what all else fits into
+    best = max((one for one in sound if one.circle.radius_m >= p.acquire.same_size * largest), key=lambda one: one.support)
     again = measured(views, rig, best.circle, p.acquire.windows_px[-1:], p.measure)
     return again if again is not None and again.is_within(p.acquire.share, p.acquire.rms_px) else None

@@ -6,21 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from estimators.stereo_ring.circle_cone import Circle, conics_of_circles
-from estimators.stereo_ring.conics import Ellipse, parameters_from_conics
+from estimators.stereo_ring.circle_cone import Circle
+from estimators.stereo_ring.conics import Ellipse
 from estimators.stereo_ring.constellation import Constellation, Landmark
 from estimators.stereo_ring.frame_axes import ring_frame
-from estimators.stereo_ring.marker_points import Sighting, is_about, is_sound, outlines_of, sighting, sightings
+from estimators.stereo_ring.marker_points import Sighting, is_about, is_sound, outline_near, outlines_of, sighting, sightings
+from estimators.stereo_ring.marker_shapes import Shape, shapes_of
 from estimators.stereo_ring.marker_sweep import swept
-from estimators.stereo_ring.measurement import Views
-from estimators.stereo_ring.outlines import Outline, disc_outline, square_outline
-from estimators.stereo_ring.parameters import TrackedParameters
-from estimators.stereo_ring.pictures import Smoothed
+from estimators.stereo_ring.outlines import MarkerView, Outline, marker_view
+from estimators.stereo_ring.parameters import MarkerParameters, TrackedParameters
 from estimators.stereo_ring.rig import Rig, epipolar_distance_px, homogeneous, triangulate
 from estimators.stereo_ring.turn import Turn, solved_turn, voted_pairs
 from scenes.arrays import Floats
 
 Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+MarkerViews = tuple[MarkerView, MarkerView]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +52,6 @@ class AxisTrack:
     def step(
         self,
         pictures: Pictures,
-        views: Views,
         ellipses: tuple[Ellipse, Ellipse],
         ring: Circle,
         expected: RigidTransform | None,
@@ -61,6 +60,7 @@ class AxisTrack:
     ) -> AxisFix | None:
         """One frame with a measured ``ring``; ``expected``: left_from_ring with that ring's normal, the turn predicted; ``sure``:
         by a known rate. None if no marker tells the turn."""
+        views = self.views_about(pictures, ellipses)
         if expected is None or self.constellation.main is None:
             return self._begun(self._swept(pictures, views, ellipses, ring), ring)
         base = expected * self._about_z(-self.constellation.main_azimuth_rad)
@@ -73,7 +73,16 @@ class AxisTrack:
         by_sweep = {one.landmark for one in matches}
         return self._fixed([*matches, *(one for one in tried if one.landmark not in by_sweep)], base, ring, ring_sigma_m)
 
-    def remembered(self, views: Views, left_from_memory: RigidTransform, ring: Circle) -> list[Match]:
+    def views_about(self, pictures: Pictures, ellipses: tuple[Ellipse, Ellipse]) -> MarkerViews:
+        """The parts of both pictures in which there are markers."""
+        p = self._parameters.markers
+        left, right = (
+            marker_view(picture, ellipse.centre_px, (p.reach + 0.1) * ellipse.a_px + 20, p)
+            for picture, ellipse in zip(pictures, ellipses, strict=True)
+        )
+        return left, right
+
+    def remembered(self, views: MarkerViews, left_from_memory: RigidTransform, ring: Circle) -> list[Match]:
         """The landmarks that are seen in both views about where this frame puts them."""
         found = []
         for index, landmark in enumerate(self.constellation.landmarks):
@@ -82,7 +91,7 @@ class AxisTrack:
                 found.append(Match(seen, index))
         return found
 
-    def remembered_in_ring(self, views: Views, left_from_ring: RigidTransform, ring: Circle) -> list[tuple[Floats, Floats]]:
+    def remembered_in_ring(self, views: MarkerViews, left_from_ring: RigidTransform, ring: Circle) -> list[tuple[Floats, Floats]]:
         """Pairs (place in the ring's frame (3,), point in the left frame (3,)) of remembered markers that are seen."""
         if self.constellation.main is None:
             return []
@@ -91,11 +100,11 @@ class AxisTrack:
         matches = self.remembered(views, left_from_ring * turn, ring)
         return [(places[one.landmark], one.seen.point_left) for one in matches if one.landmark is not None]
 
-    def _followed(self, views: Views, landmark: Landmark, left_from_memory: RigidTransform, ring: Circle) -> Sighting | None:
+    def _followed(self, views: MarkerViews, landmark: Landmark, left_from_memory: RigidTransform, ring: Circle) -> Sighting | None:
         p = self._parameters.markers
         border = left_from_memory.apply(landmark.border_ring)
         outlines = [
-            _outline_near(view, border, landmark, ring, projection, self._parameters)
+            _outline_near(view, border, landmark.square, projection, p)
             for view, projection in zip(views, self._rig.projections, strict=True)
         ]
         left, right = outlines
@@ -110,12 +119,12 @@ class AxisTrack:
             return None
         return sighting(left, point, self._rig, ring.normal)
 
-    def _swept(self, pictures: Pictures, views: Views, ellipses: tuple[Ellipse, Ellipse], ring: Circle) -> list[Sighting]:
+    def _swept(self, pictures: Pictures, views: MarkerViews, ellipses: tuple[Ellipse, Ellipse], ring: Circle) -> list[Sighting]:
         p = self._parameters.markers
         self._since_sweep = 0
         outlines = [
-            outlines_of(view, swept(picture, ellipse, p), p)
-            for picture, view, ellipse in zip(pictures, views, ellipses, strict=True)
+            outlines_of(view, shapes_of(swept(picture, ellipse, p), ring, projection, p), p)
+            for picture, view, ellipse, projection in zip(pictures, views, ellipses, self._rig.projections, strict=True)
         ]
         return sightings(outlines[0], outlines[1], self._rig, ring, p)
 
@@ -185,17 +194,8 @@ class AxisTrack:
         return RigidTransform.from_rotation(Rotation.from_rotvec([0, 0, angle_rad]))
 
 
-def _outline_near(
-    view: Smoothed, border_left: Floats, landmark: Landmark, ring: Circle, projection: Floats, p: TrackedParameters
-) -> Outline | None:
-    """The landmark's outline in one view, near where its border (n, 3), left frame, is expected."""
-    if landmark.square:
-        pixels = homogeneous(border_left) @ projection.T
-        corners = pixels[:, :2] / np.maximum(pixels[:, 2:], 1e-6)
-        return square_outline(view, corners, landmark.bright, p.markers.track_windows_px, p.markers)
-    centre = border_left.mean(axis=0)
-    radius = float(np.mean(np.linalg.norm(border_left - centre, axis=1)))
-    ellipse = parameters_from_conics(conics_of_circles(centre, ring.normal, radius, projection))
-    if not np.isfinite(ellipse).all():
-        return None
-    return disc_outline(view, ellipse, landmark.bright, p.markers.track_windows_px, p.markers)
+def _outline_near(view: MarkerView, border_left: Floats, square: bool, projection: Floats, p: MarkerParameters) -> Outline | None:
+    """The outline in one view, near where the landmark's border (n, 3), left frame, is expected."""
+    pixels = homogeneous(border_left) @ projection.T
+    shape = Shape(pixels[:, :2] / np.maximum(pixels[:, 2:], 1e-6), square)
+    return outline_near(view, shape, p.track_windows_px, p)

@@ -22,13 +22,15 @@ class Peaks:
 
 
 def edge_peaks(
-    picture: Smoothed, stations_px: Floats, normals: Floats, reach_px: float, least_gradient: float, sign: int = 0
+    picture: Smoothed, stations_px: Floats, normals: Floats, reach_px: float, least_gradient: float, first: bool = False
 ) -> Peaks:
     """The steepest place within ``reach_px`` of stations (..., n, 2) along unit ``normals`` (..., n, 2).
 
-    ``sign``: +1 if it grows brighter along the normal, −1 if darker, 0 if either may be.
+    ``first``: not the steepest, but the first that is steep enough on the way along the normal: the edge of a surface that is
+    plain inside, whatever shadow lies beyond it.
     """
-    return strongest(*profile_gradients(picture, stations_px, normals, reach_px), least_gradient, sign)
+    gradient, distance_px = profile_gradients(picture, stations_px, normals, reach_px)
+    return peaks_in(gradient, distance_px, least_gradient, first)
 
 
 def profile_gradients(picture: Smoothed, stations_px: Floats, normals: Floats, reach_px: float) -> tuple[Float32s, Floats]:
@@ -41,11 +43,15 @@ def profile_gradients(picture: Smoothed, stations_px: Floats, normals: Floats, r
     return (values[..., 2:] - values[..., :-2]) / np.float32(2 * STEP_PX), offsets[1:-1]
 
 
-def strongest(gradient: Float32s, distance_px: Floats, least_gradient: float, sign: int = 0) -> Peaks:
-    """The largest gradient of each profile (..., n, m), a parabola through it and its neighbours (m ≥ 3)."""
-    strength = np.abs(gradient) if sign == 0 else sign * gradient
+def peaks_in(gradient: Float32s, distance_px: Floats, least_gradient: float, first: bool = False) -> Peaks:
+    """The largest (or first) |gradient| of each profile (..., n, m), a parabola through it and its neighbours (m ≥ 3)."""
+    strength = np.abs(gradient)
     inner = strength[..., 1:-1]
-    best = np.argmax(inner, axis=-1)[..., None] + 1
+    if first:
+        steep = (inner >= least_gradient) & (inner >= strength[..., :-2]) & (inner > strength[..., 2:])
+        best = np.argmax(steep, axis=-1)[..., None] + 1
+    else:
+        best = np.argmax(inner, axis=-1)[..., None] + 1
     before, peak, after = (np.take_along_axis(strength, best + k, axis=-1)[..., 0].astype(np.float64) for k in (-1, 0, 1))
     bend = before - 2 * peak + after
     local = (peak >= before) & (peak >= after) & (bend < 0)

@@ -1,21 +1,17 @@
 """From regions in two views to markers in space: each on its own edge, matched along epipolar lines, gated about the ring."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators.stereo_ring.circle_cone import Circle
-from estimators.stereo_ring.conics import points_on_parameters
-from estimators.stereo_ring.marker_sweep import Blob
-from estimators.stereo_ring.outlines import Outline, better, disc_outline, square_outline
+from estimators.stereo_ring.marker_shapes import Shape
+from estimators.stereo_ring.outlines import MarkerView, Outline, disc_outline, square_outline
 from estimators.stereo_ring.parameters import MarkerParameters
-from estimators.stereo_ring.pictures import Smoothed
 from estimators.stereo_ring.rig import Rig, epipolar_distance_px, homogeneous, triangulate
 from scenes.arrays import Bools, Floats
 
-_BORDER = 24  # points on a disc's edge
 _SAME_PX = 2.0  # outlines whose centres are nearer than this are one
 
 
@@ -34,10 +30,10 @@ class Sighting:
     area_px: float
 
 
-def outlines_of(view: Smoothed, blobs: list[Blob], p: MarkerParameters) -> list[Outline]:
-    """The sound outlines of regions, each once, the best first."""
-    found = [outline for blob in blobs if (outline := outline_of(view, blob, p)) is not None]
-    found.sort(key=lambda one: -one.quality)
+def outlines_of(view: MarkerView, shapes: list[Shape], p: MarkerParameters) -> list[Outline]:
+    """The sound outlines of one view's squares and discs, each once, the best first."""
+    found = [outline for shape in shapes if (outline := outline_near(view, shape, p.windows_px, p)) is not None]
+    found = sorted((one for one in found if is_sound(one, p)), key=lambda one: -one.quality)
     return [
         one
         for number, one in enumerate(found)
@@ -45,18 +41,10 @@ def outlines_of(view: Smoothed, blobs: list[Blob], p: MarkerParameters) -> list[
     ]
 
 
-def outline_of(view: Smoothed, blob: Blob, p: MarkerParameters) -> Outline | None:
-    """The region's own edge, as the square or the disc that explains it better; None if it has neither's."""
-    hull = cv2.convexHull(blob.points_px.astype(np.float32))
-    corners = _four_corners(hull)
-    square = None if corners is None else square_outline(view, corners, blob.bright, p.windows_px, p)
-    (x, y), (width, height), turn = cv2.fitEllipseDirect(hull) if len(hull) >= 6 else ((0, 0), (0, 0), 0)
-    disc = None
-    if min(width, height) > 2:
-        a, b, theta = (width / 2, height / 2, turn) if width >= height else (height / 2, width / 2, turn + 90)
-        disc = disc_outline(view, np.array([x, y, a, b, np.deg2rad(theta)]), blob.bright, p.windows_px, p)
-    found = better(square, disc)
-    return found if found is not None and is_sound(found, p) else None
+def outline_near(view: MarkerView, shape: Shape, windows_px: Sequence[float], p: MarkerParameters) -> Outline | None:
+    """The edge near a square or a disc."""
+    find = square_outline if shape.square else disc_outline
+    return find(view, shape.border_px, windows_px, p)
 
 
 def is_sound(outline: Outline, p: MarkerParameters) -> bool:
@@ -89,9 +77,7 @@ def sightings(left: list[Outline], right: list[Outline], rig: Rig, ring: Circle,
 
 def sighting(left: Outline, point_left: Floats, rig: Rig, normal: Floats) -> Sighting:
     """The marker at ``point_left`` with its border from the left view."""
-    border = left.corners_px
-    if border is None:
-        border = points_on_parameters(np.asarray(left.ellipse), _BORDER)
+    border = np.asarray(left.border_px if left.corners_px is None else left.corners_px)
     rays = homogeneous(border) @ np.linalg.inv(rig.K_left).T
     depth = (normal @ point_left) / (rays @ normal)
     return Sighting(point_left, rays * depth[:, None], left.corners_px is not None, left.bright, left.area_px)
@@ -108,21 +94,9 @@ def is_regular(border: Floats, square: bool, p: MarkerParameters) -> bool:
     return bool(length.max() <= p.regular_ratio * length.min() and np.abs(cosine).max() <= np.sin(np.deg2rad(p.regular_deg)))
 
 
-def _four_corners(hull: NDArray[np.generic]) -> Floats | None:
-    """The quadrilateral (4, 2) that a hull is close to, or None."""
-    around = cv2.arcLength(hull, True)
-    for tolerance in (0.03, 0.05, 0.08, 0.11):
-        corners = cv2.approxPolyDP(hull, tolerance * around, True)
-        if len(corners) == 4:
-            return np.asarray(corners[:, 0], dtype=np.float64)
-        if len(corners) < 4:
-            break
-    return None
-
-
 def _may_be_one(one: Outline, other: Outline, p: MarkerParameters) -> bool:
     ratio = one.area_px / max(other.area_px, 1e-9)
-    same_shape = (one.ellipse is None) == (other.ellipse is None)
+    same_shape = (one.corners_px is None) == (other.corners_px is None)
     return one.bright == other.bright and same_shape and 1 / p.view_area < ratio < p.view_area
 
 

@@ -14,20 +14,23 @@ from estimators.stereo_ring.parameters import MarkerParameters
 from scenes.arrays import Bools, Floats
 
 Picture = NDArray[np.uint8]
+_BAND = 2  # of the three kinds of mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blob:
-    """A region: ``points_px`` (n, 2) of its border in the whole picture, ``bright`` or dark, through how many ``levels``."""
+    """A region: ``points_px`` (n, 2) of its border in the whole picture, through how many ``levels`` it lasts."""
 
     points_px: Floats
-    bright: bool
     levels: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Regions:
-    """All regions of all levels: rows of (level, polarity, u, v, area, label, left, top, width, height)."""
+    """All regions of all levels: rows of (level, kind, u, v, area, label, left, top, width, height, mask), labels of each mask.
+
+    Kinds: 0 below the level, 1 above it, 2 in a band below it.
+    """
 
     rows: Floats
     labels: list[NDArray[np.int32]]
@@ -49,30 +52,40 @@ def swept(picture: Picture, ring: Ellipse, p: MarkerParameters) -> list[Blob]:
 
 def _regions(small: Picture, ring_area: float, p: MarkerParameters) -> _Regions:
     """Regions of marker-like size, fill and aspect; ``ring_area``: product of the ring's semi-axes, px² of this picture."""
-    ends = np.percentile(small, [p.low_percent, p.high_percent])
-    levels = np.unique(np.rint(np.linspace(*ends, p.levels + 2)[1:-1]).astype(int))
     rows, labels = [], []
-    for number, level in enumerate(levels):
-        for bright in (False, True):
-            mask = np.asarray(cv2.compare(small, int(level), cv2.CMP_GT if bright else cv2.CMP_LT), dtype=np.uint8)
-            count, label, boxes, centres = cv2.connectedComponentsWithStats(mask, connectivity=4, ltype=cv2.CV_32S)
-            index = np.flatnonzero(_is_marker_like(boxes.astype(np.float64), ring_area, small.shape, p))
-            index = index[index > 0]
-            rows.append(
-                np.column_stack(
-                    [
-                        np.full(index.size, number),
-                        np.full(index.size, bright),
-                        centres[index],
-                        boxes[index][:, [4]],
-                        index,
-                        boxes[index][:, :4],
-                        np.full(index.size, len(labels)),
-                    ]
-                )
-            )
-            labels.append(np.asarray(label, dtype=np.int32))
+    black = float(np.percentile(small, p.low_percent))
+    for number, level in enumerate(grey_levels(small, p)):
+        masks = (small < level, small > level, _band(small, black, float(level), p))
+        for kind, mask in enumerate(masks):
+            label, found = _marker_like(mask.view(np.uint8), ring_area, p)
+            rows.append(np.column_stack([np.full((len(found), 2), (number, kind)), found, np.full(len(found), len(labels))]))
+            labels.append(label)
     return _Regions(np.concatenate(rows) if rows else np.empty((0, 11)), labels)
+
+
+def _marker_like(mask: Picture, ring_area: float, p: MarkerParameters) -> tuple[NDArray[np.int32], Floats]:
+    """The labels of a mask, and of its marker-like regions: u, v, area, label, left, top, width, height (k, 8)."""
+    _, label, boxes, centres = cv2.connectedComponentsWithStats(mask, connectivity=4, ltype=cv2.CV_32S)
+    index = np.flatnonzero(_is_marker_like(boxes.astype(np.float64), ring_area, mask.shape, p))
+    index = index[index > 0]  # the first is what is not in the mask
+    found = np.column_stack([centres[index], boxes[index][:, [4]], index, boxes[index][:, :4]])
+    return np.asarray(label, dtype=np.int32), found
+
+
+def _band(small: Picture, black: float, level: float, p: MarkerParameters) -> Bools:
+    """Between a level and the level a ratio below it, without hairs: a marker that is darker than its ground, yet brighter than
+    the shadow that touches it."""
+    low = black + (level - black) / p.band_ratio
+    mask = ((small > low) & (small < level)).view(np.uint8)
+    return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))).view(np.bool_)
+
+
+def grey_levels(picture: Picture, p: MarkerParameters) -> NDArray[np.int_]:
+    """The levels of the sweep: a constant ratio apart over the picture's darkest, since shading multiplies."""
+    dark, bright = np.percentile(picture, [p.low_percent, p.high_percent])
+    if bright - dark < 2:
+        return np.empty(0, dtype=int)
+    return np.asarray(np.unique(np.rint(dark + np.geomspace(1.5, bright - dark, p.levels + 1)[:-1]).astype(int)))
 
 
 def _is_marker_like(boxes: Floats, ring_area: float, shape: tuple[int, ...], p: MarkerParameters) -> Bools:
@@ -96,7 +109,7 @@ def _stable(rows: Floats, p: MarkerParameters) -> list[tuple[Floats, int]]:
     for number in range(len(rows)):
         levels[number] = np.unique(rows[alike[number], 0]).size
     chosen: list[tuple[Floats, int]] = []
-    left = levels >= p.least_levels
+    left = levels >= np.where(rows[:, 1] == _BAND, p.least_band_levels, p.least_levels)
     while left.any():
         best = int(np.argmax(np.where(left, levels, -1)))
         group = np.flatnonzero(alike[best])
@@ -110,5 +123,7 @@ def _blob(regions: _Regions, row: Floats, count: int, low: NDArray[np.int_], shr
     left, top, width, height, which = row[6:].astype(int)
     mask = (regions.labels[which][top : top + height, left : left + width] == int(row[5])).astype(np.uint8)
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    border = max(contours, key=len)[:, 0].astype(np.float64) + [left, top]
-    return Blob((border + 0.5) / shrink - 0.5 + low, bool(row[1]), count)
+    border = max(contours, key=len)[:, 0] + np.array([left, top], dtype=np.float64)
+    outward = border - border.mean(axis=0)
+    border += 0.5 * outward / np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1.0)  # pixels reach half a pixel farther
+    return Blob((border + 0.5) / shrink - 0.5 + low, count)

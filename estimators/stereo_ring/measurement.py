@@ -12,7 +12,7 @@ import numpy as np
 
 from estimators.stereo_ring.circle_cone import Circle, conics_of_circles
 from estimators.stereo_ring.circle_fit import CircleFit, fit_circle
-from estimators.stereo_ring.conics import Ellipse, ellipse_from_parameters, parameters_from_conics, sampson_px
+from estimators.stereo_ring.conics import Ellipse, ellipse_from_conic, ellipse_from_parameters, parameters_from_conics, sampson_px
 from estimators.stereo_ring.edge_peaks import edge_peaks
 from estimators.stereo_ring.parameters import MeasureParameters
 from estimators.stereo_ring.pictures import Smoothed
@@ -99,6 +99,13 @@ def _kept(points_px: Floats, fit: CircleFit, projection: Floats, p: MeasureParam
     distance = np.abs(sampson_px(conics_of_circles(circle.centre_m, circle.normal, circle.radius_m, projection), points_px))
     scale = 1.4826 * float(np.median(distance)) if distance.size else 0.0
     return np.asarray(points_px[distance <= np.clip(p.trim_sigmas * scale, p.trim_px, p.trim_most_px)])
+
+
+def seen_ellipses(circle: Circle, rig: Rig) -> tuple[Ellipse, Ellipse] | None:
+    """How both views see a circle; None if not as ellipses."""
+    conics = [conics_of_circles(circle.centre_m, circle.normal, circle.radius_m, m) for m in rig.projections]
+    left, right = (ellipse_from_conic(conic) for conic in conics)
+    return None if left is None or right is None else (left, right)
 
 
 def judged(views: Views, rig: Rig, fit: CircleFit, p: MeasureParameters) -> Measured | None:

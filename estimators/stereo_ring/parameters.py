@@ -41,7 +41,7 @@ class MeasureParameters(Spec):
     trim_most_px: Positive = 1.5  # … and all beyond this
     judge_stations: Annotated[int, Field(ge=36)] = 360  # places where support is asked for
     judge_window_px: Positive = 3.0  # half-width in which support is looked for
-    near_px: Positive = 0.7  # an edge supports the circle if it is this near …
+    near_px: Positive = 0.4  # an edge supports the circle if it is this near …
     rms_within_px: Positive = 1.5  # … and tells how well it fits if it is this near
 
 
@@ -61,7 +61,8 @@ class AcquireParameters(Spec):
     ellipses: Count = 10  # ellipses a view that are followed up
     circles: Count = 14  # circles that are measured
     windows_px: Windows = (6.0, 4.0, 3.0)
-    share: Fraction = 0.5  # an edge is a circle's if this share of stations supports it in both views …
+    same_size: Fraction = 0.85  # circles at least this large against the largest compete by support, smaller ones do not
+    share: Fraction = 0.45  # an edge is a circle's if this share of stations supports it in both views …
     rms_px: Positive = 0.6  # … scattering by no more than this
 
 
@@ -74,7 +75,7 @@ class PromoteParameters(Spec):
     near_px: Positive = 1.0  # an edge this near speaks for the radius
     support: Fraction = 0.45  # share of stations from which a radius is measured
     windows_px: Windows = (3.0, 2.0)
-    share: Fraction = 0.5  # the edge is real if this share of stations supports it in both views …
+    share: Fraction = 0.45  # the edge is real if this share of stations supports it in both views …
     rms_px: Positive = 0.6  # … scattering by no more than this
     shift_share: Positive = 0.02  # and if its centre and radius are, in radii, this near where they should be
     tilt: Positive = 0.02  # rad between the two normals
@@ -85,13 +86,13 @@ class TrackParameters(Spec):
 
     windows_px: Windows = (6.0, 4.0, 3.0)
     flow_loss_px: Positive = 1.0  # residual of followed points beyond which they count linearly
-    share: Fraction = 0.4  # share of stations that has to support the ring in both views
+    share: Fraction = 0.35  # share of stations that has to support the ring in both views
     rms_px: Positive = 0.6  # scatter of its edge
     radius_share: Positive = 0.03  # how far the radius may be from the remembered one
     radius_frames: Count = 300  # frames after which the remembered radius forgets as fast as it learns
     confirm: Count = 2  # a new ring is believed when it is there in so many …
     confirm_of: Count = 3  # … of so many frames
-    believe_share: Fraction = 0.75  # or at once if this share of stations supports it in both views …
+    believe_share: Fraction = 0.65  # or at once if this share of stations supports it in both views …
     believe_rms_px: Positive = 0.35  # … scattering by no more than this
     promote_frames: Count = 4  # a new ring's surroundings are searched for a larger edge in so many frames …
     promote_every: Count = 12  # … and then after every so many
@@ -107,8 +108,8 @@ class MarkerParameters(Spec):
 
     # the sweep over grey levels
     reach: Positive = 1.75  # half-width of the part that is looked at, in the ring's major semi-axes
-    sweep_semi_axis_px: Positive = 150.0  # the part is shrunk until the ring's major semi-axis is no larger
-    levels: Annotated[int, Field(ge=3)] = 11  # grey levels, evenly spaced …
+    sweep_semi_axis_px: Positive = 120.0  # the part is shrunk until the ring's major semi-axis is no larger
+    levels: Annotated[int, Field(ge=3)] = 18  # grey levels, a constant ratio apart …
     low_percent: Annotated[float, Field(ge=0, le=100)] = 1.0  # … between these percentiles of the part
     high_percent: Annotated[float, Field(ge=0, le=100)] = 99.0
     least_area: Positive = 0.006  # area over the product of the ring's semi-axes
@@ -118,13 +119,29 @@ class MarkerParameters(Spec):
     same_place: Positive = 0.2  # regions are one if their centroids differ by less, in roots of their area …
     same_area: Positive = 1.6  # … and their areas by less than this factor
     least_levels: Count = 3  # levels through which a region has to last
+    band_ratio: Positive = 2.4  # the same between a level and the level this much darker …
+    least_band_levels: Count = 2  # … where fewer levels will do
+
+    # what a regular mark is, seen from above; lengths in the ring's radii
+    least_size: Positive = 0.08  # of the bounding square
+    most_size: Positive = 0.45
+    square_fill: Fraction = 0.87  # area over that of the bounding square, from which it is a square …
+    disc_fill: Fraction = 0.7  # … and from which a disc (π/4)
 
     # a marker's own edge
+    smooth_sigma_px: Positive = 0.7  # Gaussian before it is measured
+    strip_px: Positive = 3.0  # two edges nearer than this are a narrow shadow's
+    dip_px: Positive = 2.5  # how far inside the edge a narrow shadow is looked for:
+    dip_sigmas: Positive = 4.0  # darker than the marker by so many sigmas of its own noise …
+    dip_dn: Positive = 1.5  # … and by so much
+    clear_share: Fraction = 0.3  # of an edge without narrow shadow, from which the rest is left out
+    least_points: Count = 8  # edge points that a disc needs
     side_stations: Annotated[int, Field(ge=6)] = 24  # places on each side (on a quarter of a disc)
     corner_share: Fraction = 0.14  # of a side left out at each end
-    windows_px: Windows = (3.0, 2.0)  # half-widths of the search about a region's border
-    track_windows_px: Windows = (4.0, 2.0)  # about a remembered marker's predicted border
-    least_gradient_dn: Positive = 1.5  # DN a pixel of the smoothed picture: what is flatter is no edge
+    windows_px: Windows = (4.0, 3.0, 2.0)  # half-widths of the search about a region's border
+    track_windows_px: Windows = (3.0, 2.0)  # about a remembered marker's predicted border
+    least_gradient_dn: Positive = 1.0  # DN a pixel of the smoothed picture: what is flatter is no edge …
+    least_gradient_share: Positive = 0.04  # … nor is what is flatter than this share of the marker's own brightness
     least_sigma_px: Positive = 0.05  # the robust scale is never taken to be less
     near_px: Positive = 0.7  # an edge supports the outline if it is this near
     side_share: Fraction = 0.35  # stations of each side that have to support it

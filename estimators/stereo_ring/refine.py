@@ -46,14 +46,14 @@ class EdgeFits:
         return np.asarray(self.points_px[index][np.abs(np.nan_to_num(self.residual_px[index], nan=np.inf)) <= within_px])
 
 
-def refined(picture: Smoothed, ellipses: Floats, windows_px: Sequence[float], p: RefineParameters, sign: int = 0) -> EdgeFits:
-    """Ellipses (k, 5), each moved to the edge nearby; ``windows_px``: half-widths of the search, one after the other; ``sign``:
-    of the gradient outwards, +1, −1, or 0 if either may be.
+def refined(picture: Smoothed, ellipses: Floats, windows_px: Sequence[float], p: RefineParameters, first: bool = False) -> EdgeFits:
+    """Ellipses (k, 5), each moved to the edge nearby; ``windows_px``: half-widths of the search, one after the other;
+    ``first``: the first edge on the way out, not the steepest.
     """
     current = np.asarray(ellipses, dtype=np.float64)
     for window in windows_px:
         stations, normals = stations_on(current, p.stations)
-        peaks = edge_peaks(picture, np.nan_to_num(stations), np.nan_to_num(normals), window, p.least_gradient_dn, sign)
+        peaks = edge_peaks(picture, np.nan_to_num(stations), np.nan_to_num(normals), window, p.least_gradient_dn, first)
         points = stations + peaks.distance_px[..., None] * normals
         points = np.where(peaks.found[..., None], points, np.nan)
         current, kept = fitted(points, current, p)

@@ -12,9 +12,8 @@ from scipy.spatial.transform import RigidTransform
 
 from estimators.api import Estimate, Outcome
 from estimators.stereo_ring.axis_track import AxisFix, AxisTrack
-from estimators.stereo_ring.circle_cone import Circle
 from estimators.stereo_ring.fallback import laid_onto
-from estimators.stereo_ring.measurement import Measured, Views
+from estimators.stereo_ring.measurement import Measured, seen_ellipses
 from estimators.stereo_ring.motion import Motion, circle_at, followed, turned_to
 from estimators.stereo_ring.parameters import TrackedParameters
 from estimators.stereo_ring.ring_track import RingSeen, RingTrack
@@ -50,7 +49,7 @@ class TrackedRing:
         circle = None if expected is None else circle_at(expected, self._ring.memory.radius_m)
         seen = self._ring.step(pictures, circle, watch)
         if seen.measured is None:
-            return self._without_ring(seen, expected, observation.time_s, watch)
+            return self._without_ring(pictures, seen.reason, expected, observation.time_s, watch)
         return self._with_ring(pictures, seen, seen.measured, expected, observation.time_s, watch)
 
     def _with_ring(
@@ -70,7 +69,7 @@ class TrackedRing:
         turned = None if expected is None else turned_to(expected, ring.circle)
         sure = self._motion is not None and self._motion.rate_rad_s is not None
         sigma_m = float(np.sqrt(np.trace(ring.fit.covariance[:2, :2]) / 2))
-        fix = self._axis.step(pictures, seen.views, ring.ellipses, ring.circle, turned, sure, sigma_m)
+        fix = self._axis.step(pictures, ring.ellipses, ring.circle, turned, sure, sigma_m)
         watch.ends("markers")
         return self._turned(fix, turned, sure, time_s, extras | watch.extras)
 
@@ -91,13 +90,14 @@ class TrackedRing:
         extras = extras | {"sigma_turn_deg": p.coast_sigma_deg * self._coasted, "from_ring": 1.0}
         return self._answer(expected, extras)
 
-    def _without_ring(self, seen: RingSeen, expected: RigidTransform | None, time_s: float, watch: Stopwatch) -> Estimate:
+    def _without_ring(
+        self, pictures: Pictures, reason: str, expected: RigidTransform | None, time_s: float, watch: Stopwatch
+    ) -> Estimate:
         """The remembered markers carry the ring's frame for a while."""
         p = self.parameters
         self._carried += 1
-        reason = seen.reason
         if expected is not None and self._carried <= p.track.fallback_frames:
-            frame = self._carried_by_markers(seen.views, expected)
+            frame = self._carried_by_markers(pictures, expected)
             watch.ends("markers")
             if not isinstance(frame, str):
                 fixed, count = frame
@@ -106,9 +106,12 @@ class TrackedRing:
             reason = f"{reason}; {frame}"
         return self._failed(Outcome.NO_FEATURES, reason, watch.extras)
 
-    def _carried_by_markers(self, views: Views, expected: RigidTransform) -> tuple[RigidTransform, int] | str:
+    def _carried_by_markers(self, pictures: Pictures, expected: RigidTransform) -> tuple[RigidTransform, int] | str:
         ring = circle_at(expected, max(self._ring.memory.radius_m, 1e-3))
-        seen = self._axis.remembered_in_ring(views, expected, ring)
+        ellipses = seen_ellipses(ring, self._setting.rig)
+        if ellipses is None:
+            return "the ring would lie outside what the cameras see"
+        seen = self._axis.remembered_in_ring(self._axis.views_about(pictures, ellipses), expected, ring)
         p = self.parameters.constellation
         known = np.array([place for place, _ in seen]).reshape(-1, 3)
         found = np.array([point for _, point in seen]).reshape(-1, 3)
