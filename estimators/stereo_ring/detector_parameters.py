@@ -23,7 +23,7 @@ class DetectorParameters(Spec):
     lsd_angle_deg: Positive = 22.5
     lsd_density: Fraction = 0.7
     min_length_px: Positive = 12.0
-    min_half_turn_deg: Positive = 3.0  # each half's mean gradient turns at least so much from the segment's, in opposite senses
+    min_half_turn_deg: Positive = 2.5  # each half's mean gradient turns at least so much from the segment's, in opposite senses
     most_arcs: Count = 500  # the longest
 
     # groups of arcs that follow one another
@@ -40,7 +40,7 @@ class DetectorParameters(Spec):
     convexity_px: NonNegative = 4.0  # how far a group may lie beyond the tangents of another
     convexity_share: Fraction = 0.05  # share of tangent-point pairs that may
 
-    growth_px: Positive = 6.0  # how far from a first ellipse segments are taken onto it
+    growth_px: Positive = 4.0  # how far from a first ellipse segments are taken onto it
     most_grown: Count = 100  # ellipses that grow, the best covered
 
     # the check of each ellipse against the gradient

@@ -18,20 +18,30 @@ _SINE = 0.3  # of the angle between a segment and the ellipse beside it
 
 
 def grown(ellipses: Floats, pieces: Pieces, parameters: DetectorParameters, scale: float) -> Floats:
-    """The ellipses (n, 5), reduced pixels, drawn onto the segments along them."""
+    """The ellipses (n, 5), reduced pixels, drawn onto the segments along them.
+
+    With polarity "any" each grows twice, (2n, 5): onto the segments of the sense that is more of it, and onto all.
+    """
     if len(ellipses) == 0 or len(pieces.length) == 0:
         return ellipses
+    one_sense = _grown(ellipses, pieces, parameters, scale, both_senses=False)
+    if parameters.polarity == "same":
+        return one_sense
+    return np.concatenate([one_sense, _grown(ellipses, pieces, parameters, scale, both_senses=True)])
+
+
+def _grown(ellipses: Floats, pieces: Pieces, parameters: DetectorParameters, scale: float, both_senses: bool) -> Floats:
     scatters = [one.reshape(len(pieces.length), 36) for one in point_scatter(pieces.points, pieces.weights)]
     for share in (1.0, 0.5):
-        members = _members(ellipses, pieces, parameters, share * parameters.growth_px * scale).astype(np.float64)
+        members = _members(ellipses, pieces, share * parameters.growth_px * scale, both_senses).astype(np.float64)
         fitted, _ = direct_fits(*((members @ one).reshape(-1, 6, 6) for one in scatters))
         kept = np.isfinite(fitted).all(axis=1, keepdims=True) & _near(fitted, ellipses)[:, None]
         ellipses = np.where(kept, fitted, ellipses)
     return ellipses
 
 
-def _members(ellipses: Floats, pieces: Pieces, parameters: DetectorParameters, tolerance: float) -> Bools:
-    """Which segments (n, m) lie along which ellipses; with polarity "same" only those of the sense that is more of it."""
+def _members(ellipses: Floats, pieces: Pieces, tolerance: float, both_senses: bool) -> Bools:
+    """Which segments (n, m) lie along which ellipses; else only those of the sense that is more of it."""
     C = conics_from_parameters(ellipses)
     value, gu, gv = _along_conics(C, pieces.points[:, pieces.points.shape[1] // 2])
     length = np.maximum(np.hypot(gu, gv), np.float32(1e-12))
@@ -41,7 +51,7 @@ def _members(ellipses: Floats, pieces: Pieces, parameters: DetectorParameters, t
     row, column = np.nonzero(near)
     ends = pieces.points[column][:, [0, -1]]
     near[row, column] = (np.abs(sampson_px(C[row], ends)) <= tolerance).all(axis=1)
-    if parameters.polarity == "any":
+    if both_senses:
         return np.asarray(near)
     inside, outside = near & (cosine < 0), near & (cosine > 0)
     more = (inside @ pieces.length) >= (outside @ pieces.length)

@@ -17,7 +17,7 @@ Count = Annotated[int, Field(ge=1)]
 class PaperParameters(DetectorParameters):
     """The detector's numbers and those of the pipeline behind it."""
 
-    root_dn: Positive | None = None  # the paper's detector sees grey values as they are
+    root_dn: Positive | None = None  # "from the original grey picture"
     min_contrast_dn: Grey = 10  # brightest less darkest pixel; below it a picture is blank
 
     # the ring
