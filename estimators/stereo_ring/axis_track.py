@@ -55,16 +55,15 @@ class AxisTrack:
         ellipses: tuple[Ellipse, Ellipse],
         ring: Circle,
         expected: RigidTransform | None,
-        sure: bool,
         ring_sigma_m: float,
     ) -> AxisFix | None:
-        """One frame with a measured ``ring``; ``expected``: left_from_ring with that ring's normal, the turn predicted; ``sure``:
-        by a known rate. None if no marker tells the turn."""
+        """One frame with a measured ``ring``; ``expected``: left_from_ring with that ring's normal, the turn predicted.
+        None if no marker tells the turn."""
         views = self.views_about(pictures, ellipses)
         if expected is None or self.constellation.main is None:
             return self._begun(self._swept(pictures, views, ellipses, ring), ring)
         base = expected * self._about_z(-self.constellation.main_azimuth_rad)
-        tried = self.remembered(views, base, ring) if sure else []
+        tried = self.remembered(views, base, ring)
         self._since_sweep += 1
         p = self._parameters.constellation
         if len(tried) >= p.least_for_track and self._since_sweep < p.sweep_every:

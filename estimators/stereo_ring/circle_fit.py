@@ -46,17 +46,20 @@ class _View:
     monomials: Floats
 
 
-def fit_circle(rig: Rig, left_px: Floats, right_px: Floats, start: Circle, loss_px: float | None = 0.5) -> CircleFit | None:
+def fit_circle(
+    rig: Rig, left_px: Floats, right_px: Floats, start: Circle, loss_px: float | None = 0.5, smallest_step: float = _SMALLEST_STEP
+) -> CircleFit | None:
     """The circle nearest to edge points (n, 2) and (m, 2), begun at ``start``; None if it does not converge to a circle in view.
 
     ``loss_px``: distance beyond which a residual counts about linearly (soft-L1); None for plain least squares.
+    ``smallest_step``: relative decrease of the cost at which it rests.
     """
     if len(left_px) + len(right_px) < 7:
         return None
     views = (_view(rig.K_left, np.eye(3), np.zeros(3), left_px), _view(rig.K_right, rig.R, rig.T, right_px))
     x0, n, r = np.asarray(start.centre_m, dtype=np.float64), np.asarray(start.normal, dtype=np.float64), start.radius_m
     with np.errstate(all="ignore"):
-        found = _minimised(views, (x0, n, r), loss_px)
+        found = _minimised(views, (x0, n, r), loss_px, smallest_step)
         if found is None:
             return None
         (x0, n, r), residual, jacobian, tangent = found
@@ -70,7 +73,9 @@ def fit_circle(rig: Rig, left_px: Floats, right_px: Floats, start: Circle, loss_
 _State = tuple[Floats, Floats, float]
 
 
-def _minimised(views: tuple[_View, _View], state: _State, loss_px: float | None) -> tuple[_State, Floats, Floats, Floats] | None:
+def _minimised(
+    views: tuple[_View, _View], state: _State, loss_px: float | None, smallest_step: float
+) -> tuple[_State, Floats, Floats, Floats] | None:
     """Levenberg-Marquardt with iterated weights (Nocedal & Wright 2006, ch. 10): state, residuals, Jacobian, tangent basis."""
     residual, jacobian, tangent = _linearised(views, state)
     cost, damping = _cost(residual, loss_px), 1e-4
@@ -88,7 +93,7 @@ def _minimised(views: tuple[_View, _View], state: _State, loss_px: float | None)
             if damping > 1e8:
                 break
             continue
-        settled = cost - trial_cost <= _SMALLEST_STEP * cost or np.abs(step).max() < _SMALLEST_STEP
+        settled = cost - trial_cost <= smallest_step * cost or np.abs(step).max() < _SMALLEST_STEP
         state, (residual, jacobian, tangent), cost, damping = trial, values, trial_cost, damping / 10
         if settled:
             break

@@ -57,10 +57,11 @@ def measured(
     circle = start
     fit: CircleFit | None = None
     for number, window in enumerate(windows_px, 1):
-        count = p.stations if number == len(windows_px) and fine else p.coarse_stations
+        last = number == len(windows_px)
+        count = p.stations if last and fine else p.coarse_stations
         conics = [conics_of_circles(circle.centre_m, circle.normal, circle.radius_m, m) for m in rig.projections]
         points = [_edges(view, conic, window, count, p) for view, conic in zip(views, conics, strict=True)]
-        fit = _trimmed_fit(rig, points[0], points[1], circle, p, trims=p.trims if number > 1 else 0)
+        fit = _trimmed_fit(rig, points[0], points[1], circle, p, trims=last * (p.trims if fine else 1))
         if fit is None:
             return None
         circle = fit.circle
@@ -77,7 +78,7 @@ def _trimmed_fit(rig: Rig, left_px: Floats, right_px: Floats, start: Circle, p: 
             kept = (_kept(left_px, fit, rig.projections[0], p), _kept(right_px, fit, rig.projections[1], p))
         if min(len(kept[0]), len(kept[1])) < p.least_points:
             return None
-        fit = fit_circle(rig, kept[0], kept[1], start if fit is None else fit.circle, p.loss_px)
+        fit = fit_circle(rig, kept[0], kept[1], start if fit is None else fit.circle, p.loss_px, p.fit_step)
         if fit is None:
             return None
     return fit

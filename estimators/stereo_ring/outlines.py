@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from estimators.stereo_ring.edge_peaks import STEP_PX, Peaks, peaks_in, profile_gradients
 from estimators.stereo_ring.parameters import MarkerParameters
 from estimators.stereo_ring.pictures import Smoothed, smoothed
+from estimators.stereo_ring.robust import MAD_TO_SIGMA, tukey_weights
 from scenes.arrays import Bools, Floats
 
-_TUKEY, _MAD_TO_SIGMA = 4.685, 1.4826
 _FIT_STEPS = 5
 
 
@@ -127,7 +127,7 @@ def _inside(view: MarkerView, border_px: Floats, p: MarkerParameters) -> _Inside
     around = np.concatenate([middle + share * (border_px - middle) for share in (0.15, 0.3, 0.45, 0.6)])
     values = view.raw.at(np.concatenate([around, (around + np.roll(around, 1, axis=0)) / 2])[None])[0].astype(np.float64)
     level = float(np.median(values))
-    noise = _MAD_TO_SIGMA * float(np.median(np.abs(values - level)))
+    noise = MAD_TO_SIGMA * float(np.median(np.abs(values - level)))
     return _Inside(level, noise, max(p.least_gradient_dn, p.least_gradient_share * level))
 
 
@@ -164,7 +164,7 @@ def _shift_and_size(
         return None, residual
     for number in range(_FIT_STEPS):
         if number:
-            weight = _tukey(residual[None], used[None], p.least_sigma_px)[0]
+            weight = tukey_weights(residual, used, p.least_sigma_px)
         normal = rows.T @ (weight[:, None] * rows)
         step = np.linalg.lstsq(normal, rows.T @ (weight * distance), rcond=1e-6)[0]
         residual = distance - rows @ step
@@ -191,7 +191,7 @@ def _lines(points: Floats, found: Bools, p: MarkerParameters) -> tuple[Floats | 
     residual = y
     for step in range(_FIT_STEPS):
         if step:
-            weight = _tukey(residual, found, p.least_sigma_px)
+            weight = tukey_weights(residual, found, p.least_sigma_px)
         total = np.sum(weight, axis=1)
         if total.min() < 3:
             return None, found, residual
@@ -201,13 +201,6 @@ def _lines(points: Floats, found: Bools, p: MarkerParameters) -> tuple[Floats | 
         residual = y - my[:, None] - slope[:, None] * dx
     ends = [middle + along * (mx + d)[:, None] + across * (my + slope * d)[:, None] for d in (-10.0, 10.0)]
     return np.stack(ends, axis=1), found & (weight > 0), residual
-
-
-def _tukey(residual: Floats, found: Bools, least_sigma_px: float) -> Floats:
-    size = np.where(found, np.abs(residual), np.nan)
-    size[~found.any(axis=1)] = 0.0
-    sigma = np.maximum(_MAD_TO_SIGMA * np.nanmedian(size, axis=1), least_sigma_px)[:, None]
-    return np.where(found, np.maximum(1 - (residual / (_TUKEY * sigma)) ** 2, 0.0) ** 2, 0.0)
 
 
 def _corners(lines: Floats) -> Floats:

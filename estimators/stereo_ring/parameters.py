@@ -31,17 +31,18 @@ class MeasureParameters(Spec):
     """Measurement of one circle in both views."""
 
     stations: Annotated[int, Field(ge=36)] = 720  # places round each ellipse in the last window
-    coarse_stations: Annotated[int, Field(ge=36)] = 180  # and in the windows before
+    coarse_stations: Annotated[int, Field(ge=36)] = 120  # and in the windows before
     least_gradient_dn: Positive = 1.5  # DN a pixel of the smoothed picture: what is flatter is no edge
     least_points: Count = 40  # edge points that each view has to give
     loss_px: Positive = 0.5  # residuals beyond count linearly
+    fit_step: Positive = 1e-6  # relative decrease of the cost at which a fit rests
     trims: Count = 2  # so often the fit is repeated without the points that are far from it:
     trim_sigmas: Positive = 3.0  # those this many robust scatters away …
     trim_px: Positive = 0.3  # … but none nearer than this …
     trim_most_px: Positive = 1.5  # … and all beyond this
     judge_stations: Annotated[int, Field(ge=36)] = 360  # places where support is asked for
-    judge_window_px: Positive = 3.0  # half-width in which support is looked for
-    near_px: Positive = 0.4  # an edge supports the circle if it is this near …
+    judge_window_px: Positive = 1.5  # half-width in which support is looked for
+    near_px: Positive = 0.5  # an edge supports the circle if it is this near …
     rms_within_px: Positive = 1.5  # … and tells how well it fits if it is this near
 
 
@@ -59,11 +60,11 @@ class AcquireParameters(Spec):
     slope_sigma_px: Positive = 1.5  # smoothing of the picture in which depths are tried
     full_gradient_dn: Positive = 10.0  # DN a pixel there at which a station counts in full
     ellipses: Count = 10  # ellipses a view that are followed up
-    circles: Count = 14  # circles that are measured
+    circles: Count = 8  # circles that are measured
     windows_px: Windows = (6.0, 4.0, 3.0)
     same_size: Fraction = 0.85  # circles at least this large against the largest compete by support, smaller ones do not
     share: Fraction = 0.45  # an edge is a circle's if this share of stations supports it in both views …
-    rms_px: Positive = 0.6  # … scattering by no more than this
+    rms_px: Positive = 0.7  # … scattering by no more than this
 
 
 class PromoteParameters(Spec):
@@ -74,9 +75,9 @@ class PromoteParameters(Spec):
     step_share: Positive = 0.004
     near_px: Positive = 1.0  # an edge this near speaks for the radius
     support: Fraction = 0.45  # share of stations from which a radius is measured
-    windows_px: Windows = (3.0, 2.0)
-    share: Fraction = 0.45  # the edge is real if this share of stations supports it in both views …
-    rms_px: Positive = 0.6  # … scattering by no more than this
+    windows_px: Windows = (3.0, 2.0, 1.5)
+    share: Fraction = 0.42  # the edge is real if this share of stations supports it in both views …
+    rms_px: Positive = 0.7  # … scattering by no more than this
     shift_share: Positive = 0.02  # and if its centre and radius are, in radii, this near where they should be
     tilt: Positive = 0.02  # rad between the two normals
 
@@ -84,16 +85,17 @@ class PromoteParameters(Spec):
 class TrackParameters(Spec):
     """The ring from frame to frame, and when it is believed."""
 
-    windows_px: Windows = (6.0, 4.0, 3.0)
+    windows_px: Windows = (3.0, 2.0)  # half-widths of the search where the ring is predicted …
+    wide_windows_px: Windows = (6.0, 4.0, 2.0)  # … and if it is not quite there
     flow_loss_px: Positive = 1.0  # residual of followed points beyond which they count linearly
     share: Fraction = 0.35  # share of stations that has to support the ring in both views
-    rms_px: Positive = 0.6  # scatter of its edge
+    rms_px: Positive = 0.7  # scatter of its edge
     radius_share: Positive = 0.03  # how far the radius may be from the remembered one
     radius_frames: Count = 300  # frames after which the remembered radius forgets as fast as it learns
     confirm: Count = 2  # a new ring is believed when it is there in so many …
     confirm_of: Count = 3  # … of so many frames
-    believe_share: Fraction = 0.65  # or at once if this share of stations supports it in both views …
-    believe_rms_px: Positive = 0.35  # … scattering by no more than this
+    believe_share: Fraction = 0.7  # or at once if this share of stations supports it in both views …
+    believe_rms_px: Positive = 0.4  # … scattering by no more than this
     promote_frames: Count = 4  # a new ring's surroundings are searched for a larger edge in so many frames …
     promote_every: Count = 12  # … and then after every so many
     longest_gap_s: Positive = 5.0  # frames farther apart give no rate
@@ -108,8 +110,8 @@ class MarkerParameters(Spec):
 
     # the sweep over grey levels
     reach: Positive = 1.75  # half-width of the part that is looked at, in the ring's major semi-axes
-    sweep_semi_axis_px: Positive = 120.0  # the part is shrunk until the ring's major semi-axis is no larger
-    levels: Annotated[int, Field(ge=3)] = 18  # grey levels, a constant ratio apart …
+    sweep_semi_axis_px: Positive = 100.0  # the part is shrunk until the ring's major semi-axis is no larger
+    levels: Annotated[int, Field(ge=3)] = 14  # grey levels, a constant ratio apart …
     low_percent: Annotated[float, Field(ge=0, le=100)] = 1.0  # … between these percentiles of the part
     high_percent: Annotated[float, Field(ge=0, le=100)] = 99.0
     least_area: Positive = 0.006  # area over the product of the ring's semi-axes
@@ -173,7 +175,7 @@ class ConstellationParameters(Spec):
     drop_after: Count = 4  # a marker is forgotten when it was missed this often more than it was seen
     settle_frames: Count = 10  # frames in which a marker nearer to the axis may still become the main one …
     settle_count: Count = 3  # … once it has been seen this often
-    sweep_every: Count = 12  # frames after which new markers are looked for
+    sweep_every: Count = 25  # frames after which new markers are looked for
     apart_m: Positive = 0.03  # a new marker has to be this far from every remembered one
     fallback_height_m: Positive = 0.2  # smallest height of the triangle that may carry the frame without the ring
     fallback_residual_m: Positive = 0.005  # and the rms distance of its markers from where they are remembered

@@ -18,10 +18,9 @@ from estimators.stereo_ring.conics import conics_from_parameters, parameters_fro
 from estimators.stereo_ring.edge_peaks import edge_peaks
 from estimators.stereo_ring.parameters import RefineParameters
 from estimators.stereo_ring.pictures import Smoothed
+from estimators.stereo_ring.robust import tukey_weights
 from scenes.arrays import Bools, Floats
 
-_TUKEY = 4.685  # 95 % efficiency for Gaussian noise (Huber & Ronchetti 2009)
-_MAD_TO_SIGMA = 1.4826
 _LEAST_POINTS = 12
 
 
@@ -87,7 +86,7 @@ def fitted(points_px: Floats, starts: Floats, p: RefineParameters) -> tuple[Floa
     for step in range(p.fit_steps):
         residual, slope = _distances(conic, u, v, scale)
         if step:  # the first step's scale is that of the search, not of the edge
-            weight = _tukey(residual, known, p.least_sigma_px)
+            weight = tukey_weights(residual, known, p.least_sigma_px)
         conic = _solved(monomials, weight / np.maximum(slope, 1e-6) ** 2)
     parameters = _global(conic, starts, scale)
     enough = np.sum(weight > 0, axis=-1) >= _LEAST_POINTS
@@ -116,13 +115,6 @@ def _distances(conic: Floats, u: Floats, v: Floats, scale: Floats) -> tuple[Floa
     value = gu * u + gv * v + D * u + E * v - 1
     slope = 2 * np.hypot(gu, gv)
     return value / np.maximum(slope, 1e-6) * scale[:, None], slope
-
-
-def _tukey(residual_px: Floats, known: Bools, least_sigma_px: float) -> Floats:
-    size = np.where(known, np.abs(residual_px), np.nan)
-    size[~known.any(axis=-1)] = 0.0
-    sigma = np.maximum(_MAD_TO_SIGMA * np.nanmedian(size, axis=-1), least_sigma_px)[:, None]
-    return np.where(known, np.maximum(1 - (residual_px / (_TUKEY * sigma)) ** 2, 0.0) ** 2, 0.0)
 
 
 def _solved(monomials: Floats, weight: Floats) -> Floats:

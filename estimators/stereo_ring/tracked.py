@@ -69,7 +69,7 @@ class TrackedRing:
         turned = None if expected is None else turned_to(expected, ring.circle)
         sure = self._motion is not None and self._motion.rate_rad_s is not None
         sigma_m = float(np.sqrt(np.trace(ring.fit.covariance[:2, :2]) / 2))
-        fix = self._axis.step(pictures, ring.ellipses, ring.circle, turned, sure, sigma_m)
+        fix = self._axis.step(pictures, ring.ellipses, ring.circle, turned, sigma_m)
         watch.ends("markers")
         return self._turned(fix, turned, sure, time_s, extras | watch.extras)
 

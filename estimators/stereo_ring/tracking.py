@@ -46,8 +46,9 @@ def flow_circle(last: LastSeen, pictures: Pictures, rig: Rig, p: TrackedParamete
 def tracked_ring(views: Views, rig: Rig, starts: Sequence[Circle], memory: Confirmation, p: TrackedParameters) -> Measured | str:
     """The remembered ring near one of several predictions, the first that will do; or a sentence why none does."""
     reason = "there is no prediction"
-    for start in starts:
-        found = measured(views, rig, start, p.track.windows_px, p.measure)
+    tries = [(start, windows) for windows in (p.track.windows_px, p.track.wide_windows_px) for start in starts]
+    for start, windows in tries:
+        found = measured(views, rig, start, windows, p.measure)
         reason = why_not(found, memory, p)
         if found is not None and not reason:
             return found
