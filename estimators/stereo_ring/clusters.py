@@ -8,6 +8,7 @@ from scenes.arrays import Bools, Floats
 
 _SAMPLES = 12
 _MOST = 400
+_FAR = 4  # times that distance: centres or axes further apart need no look at the points
 
 
 def distinct(ellipses: Floats, score: Floats, nearer_than: float, most: int) -> NDArray[np.intp]:
@@ -25,6 +26,10 @@ def distinct(ellipses: Floats, score: Floats, nearer_than: float, most: int) -> 
 
 def alike(ellipses: Floats, nearer_than: float) -> Bools:
     """Which pairs (n, n) are nowhere further apart than ``nearer_than``, by the points of one against the conic of the other."""
-    points = points_on_parameters(ellipses, _SAMPLES)
-    distance = np.abs(sampson_px(conics_from_parameters(ellipses)[:, None], points[None])).max(axis=-1)
-    return np.asarray(np.minimum(distance, distance.T) <= nearer_than)
+    close = (np.abs(ellipses[:, None, :4] - ellipses[None, :, :4]) <= _FAR * nearer_than).all(axis=-1)
+    first, second = np.nonzero(np.triu(close))
+    conics, points = conics_from_parameters(ellipses), points_on_parameters(ellipses, _SAMPLES)
+    there, back = (np.abs(sampson_px(conics[i], points[j])).max(axis=-1) for i, j in ((first, second), (second, first)))
+    same = np.zeros((len(ellipses), len(ellipses)), dtype=bool)
+    same[first, second] = np.minimum(there, back) <= nearer_than
+    return same | same.T
