@@ -67,10 +67,10 @@ class AxisTrack:
         self._since_sweep += 1
         p = self._parameters.constellation
         if len(tried) >= p.least_for_track and self._since_sweep < p.sweep_every:
-            return self._fixed(tried, base, ring, ring_sigma_m)
+            return self._fixed(tried, base, ring_sigma_m)
         matches = self._matched(self._swept(pictures, views, ellipses, ring), base, ring)
         by_sweep = {one.landmark for one in matches}
-        return self._fixed([*matches, *(one for one in tried if one.landmark not in by_sweep)], base, ring, ring_sigma_m)
+        return self._fixed([*matches, *(one for one in tried if one.landmark not in by_sweep)], base, ring_sigma_m)
 
     def views_about(self, pictures: Pictures, ellipses: tuple[Ellipse, Ellipse]) -> MarkerViews:
         """The parts of both pictures in which there are markers."""
@@ -136,8 +136,8 @@ class AxisTrack:
         frame = ring_frame(ring.centre_m, ring.normal, seen[int(np.argmin(out))].point_left)
         if frame is None:
             return None
-        self._learn([Match(one, None) for one in seen], frame, [])
-        sigma = self._parameters.constellation.memory_sigma_m / max(min(out), 1e-6)
+        self._learn([Match(one, None) for one in seen], frame)
+        sigma = self._parameters.constellation.first_scatter_m / max(min(out), 1e-6)
         return AxisFix(frame, sigma, len(seen))
 
     def _matched(self, seen: list[Sighting], base: RigidTransform, ring: Circle) -> list[Match]:
@@ -150,28 +150,27 @@ class AxisTrack:
         pairs = dict(voted_pairs(observed, self.constellation.points_ring, alike, ring.radius_m, p))
         return [Match(one, pairs.get(number)) for number, one in enumerate(seen)]
 
-    def _fixed(self, matches: list[Match], base: RigidTransform, ring: Circle, ring_sigma_m: float) -> AxisFix | None:
+    def _fixed(self, matches: list[Match], base: RigidTransform, ring_sigma_m: float) -> AxisFix | None:
         known = [(one.seen, one.landmark) for one in matches if one.landmark is not None]
-        turn = self._turn(known, base, ring, ring_sigma_m)
+        turn = self._turn(known, base, ring_sigma_m)
         if turn is None:
-            self._learn([], base, [])
+            self._learn([], base)
             return None
         frame = base * self._about_z(turn.angle_rad)
         agreed = [pair for pair, used in zip(known, turn.used, strict=True) if used]
-        self._learn([Match(seen, index) for seen, index in agreed] + [one for one in matches if one.landmark is None], frame, known)
+        self._learn([Match(seen, index) for seen, index in agreed] + [one for one in matches if one.landmark is None], frame)
         return AxisFix(frame * self._about_z(self.constellation.main_azimuth_rad), turn.sigma_rad, len(agreed))
 
-    def _turn(self, known: list[tuple[Sighting, int]], base: RigidTransform, ring: Circle, ring_sigma_m: float) -> Turn | None:
+    def _turn(self, known: list[tuple[Sighting, int]], base: RigidTransform, ring_sigma_m: float) -> Turn | None:
         if not known:
             return None
         p = self._parameters.constellation
         observed = base.inv().apply(np.array([seen.point_left for seen, _ in known]))[:, :2]
         remembered = self.constellation.points_ring[[index for _, index in known]][:, :2]
-        pixel_m = float(ring.centre_m[2]) / float(self._rig.K_left[0, 0])
-        memory = np.array([self.constellation.sigma_m(index) for _, index in known])
-        return solved_turn(observed, remembered, np.hypot(p.marker_sigma_px * pixel_m, memory), ring_sigma_m, p)
+        sigma = self.constellation.sigmas_m([index for _, index in known])
+        return solved_turn(observed, remembered, sigma, ring_sigma_m, p)
 
-    def _learn(self, matches: list[Match], frame: RigidTransform, known: list[tuple[Sighting, int]]) -> None:
+    def _learn(self, matches: list[Match], frame: RigidTransform) -> None:
         """Everything that was seen, in the memory's frame; a new marker only where none is remembered."""
         into = frame.inv()
         seen, new = [], []

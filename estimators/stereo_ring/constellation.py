@@ -12,12 +12,16 @@ from scenes.arrays import Floats
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Landmark:
-    """A marker: ``point_ring`` (3,) and ``border_ring`` (n, 3), metres, ring frame; how often it was seen and missed."""
+    """A marker: ``point_ring`` (3,) and ``border_ring`` (n, 3), metres, ring frame; how often it was seen and missed.
+
+    ``scatter_m``: how far it was seen from where it is remembered, rms in the ring's plane; NaN-free, begins with a guess.
+    """
 
     point_ring: Floats
     border_ring: Floats
     square: bool
     bright: bool
+    scatter_m: float
     count: int = 1
     missed: int = 0
 
@@ -45,9 +49,11 @@ class Constellation:
         x, y, _ = self.landmarks[self.main].point_ring
         return float(np.arctan2(y, x))
 
-    def sigma_m(self, index: int) -> float:
-        """How well a landmark's place is remembered."""
-        return self._parameters.memory_sigma_m / float(np.sqrt(self.landmarks[index].count))
+    def sigmas_m(self, indices: list[int]) -> Floats:
+        """How well (n,) landmarks tell the turn: their own scatter, and as part of it how well their places are remembered."""
+        scatter = np.array([self.landmarks[index].scatter_m for index in indices])
+        count = np.array([self.landmarks[index].count for index in indices])
+        return np.asarray(scatter * np.sqrt(1 + 1 / count))
 
     def learn(self, seen: list[tuple[int, Floats, Floats]], new: list[tuple[Sighting, Floats, Floats]], tried: set[int]) -> None:
         """Takes a frame: ``seen`` (landmark, point (3,), border (n, 3)) and ``new`` (sighting, point, border), ring frame.
@@ -59,7 +65,7 @@ class Constellation:
             self.landmarks[index] = self._averaged(self.landmarks[index], point, border)
         for index in tried - {index for index, _, _ in seen}:
             self.landmarks[index] = replace(self.landmarks[index], missed=self.landmarks[index].missed + 1)
-        self.landmarks += [Landmark(point, border, one.square, one.bright) for one, point, border in new]
+        self.landmarks += [Landmark(point, border, one.square, one.bright, self._parameters.first_scatter_m) for one, point, border in new]
         self._drop()
         self._choose_main()
 
@@ -67,7 +73,11 @@ class Constellation:
         count = min(old.count + 1, self._parameters.most_count)
         gain = 1 / count
         edge = old.border_ring + gain * (_reordered(border, old.border_ring) - old.border_ring)
-        return replace(old, point_ring=old.point_ring + gain * (point - old.point_ring), border_ring=edge, count=count)
+        moved = point - old.point_ring
+        fresh = 1 / min(count, self._parameters.scatter_count)
+        square = (1 - fresh) * old.scatter_m**2 + fresh * float(moved[:2] @ moved[:2]) / 2
+        scatter = max(float(np.sqrt(square)), self._parameters.least_scatter_m)
+        return replace(old, point_ring=old.point_ring + gain * moved, border_ring=edge, count=count, scatter_m=scatter)
 
     def _drop(self) -> None:
         kept = [

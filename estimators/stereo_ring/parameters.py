@@ -34,7 +34,7 @@ class MeasureParameters(Spec):
     coarse_stations: Annotated[int, Field(ge=36)] = 120  # and in the windows before
     least_gradient_dn: Positive = 1.5  # DN a pixel of the smoothed picture: what is flatter is no edge
     least_points: Count = 40  # edge points that each view has to give
-    loss_px: Positive = 0.5  # residuals beyond count linearly
+    loss_px: Positive = 0.25  # residuals beyond count linearly
     fit_step: Positive = 1e-6  # relative decrease of the cost at which a fit rests
     trims: Count = 2  # so often the fit is repeated without the points that are far from it:
     trim_sigmas: Positive = 3.0  # those this many robust scatters away …
@@ -134,8 +134,8 @@ class MarkerParameters(Spec):
     smooth_sigma_px: Positive = 0.7  # Gaussian before it is measured
     strip_px: Positive = 3.0  # two edges nearer than this are a narrow shadow's
     dip_px: Positive = 2.5  # how far inside the edge a narrow shadow is looked for:
-    dip_sigmas: Positive = 4.0  # darker than the marker by so many sigmas of its own noise …
-    dip_dn: Positive = 1.5  # … and by so much
+    dip_sigmas: Positive = 3.0  # darker than the marker by so many sigmas of its own noise …
+    dip_dn: Positive = 1.0  # … and by so much
     clear_share: Fraction = 0.3  # of an edge without narrow shadow, from which the rest is left out
     least_points: Count = 8  # edge points that a disc needs
     side_stations: Annotated[int, Field(ge=6)] = 24  # places on each side (on a quarter of a disc)
@@ -167,8 +167,9 @@ class ConstellationParameters(Spec):
     same_share: Positive = 0.05  # a sighting may be a remembered marker if radius and height differ by less, in ring radii
     vote_share: Positive = 0.05  # markers agree on a turn if they lie this near, in ring radii
     most_turn_deg: Positive = 60.0  # largest turn from the prediction that is considered
-    marker_sigma_px: Positive = 0.05  # accuracy of a marker's centre in one view
-    memory_sigma_m: Positive = 2e-4  # and of its remembered place after one sighting
+    first_scatter_m: Positive = 5e-4  # how far a new marker is thought to be from where it is remembered
+    least_scatter_m: Positive = 3e-5  # and the least that any is ever thought to be
+    scatter_count: Count = 20  # sightings over which that is judged
     gate_sigmas: Positive = 5.0  # residual beyond which a marker is left out of the turn …
     gate_m: Positive = 2e-3  # … but never if it is this near
     most_count: Count = 300  # sightings after which the running mean forgets as fast as it learns
