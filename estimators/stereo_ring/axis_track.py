@@ -8,19 +8,16 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from estimators.stereo_ring.circle_cone import Circle
 from estimators.stereo_ring.conics import Ellipse
-from estimators.stereo_ring.constellation import Constellation, Landmark
+from estimators.stereo_ring.constellation import Constellation
 from estimators.stereo_ring.frame_axes import ring_frame
-from estimators.stereo_ring.marker_points import Sighting, is_about, is_sound, outline_near, outlines_of, sighting, sightings
-from estimators.stereo_ring.marker_shapes import Shape, shapes_of
-from estimators.stereo_ring.marker_sweep import swept
-from estimators.stereo_ring.outlines import MarkerView, Outline, marker_view
-from estimators.stereo_ring.parameters import MarkerParameters, TrackedParameters
-from estimators.stereo_ring.rig import Rig, epipolar_distance_px, homogeneous, triangulate
+from estimators.stereo_ring.marker_points import Sighting
+from estimators.stereo_ring.marker_watch import MarkerWatch, Match
+from estimators.stereo_ring.parameters import TrackedParameters
+from estimators.stereo_ring.rig import Rig
 from estimators.stereo_ring.turn import Turn, solved_turn, voted_pairs
 from scenes.arrays import Floats
 
 Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]
-MarkerViews = tuple[MarkerView, MarkerView]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,14 +27,6 @@ class AxisFix:
     left_from_ring: RigidTransform
     sigma_rad: float
     markers: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Match:
-    """A sighting, and the index of the landmark that it is (None: of none)."""
-
-    seen: Sighting
-    landmark: int | None
 
 
 class AxisTrack:
@@ -59,73 +48,31 @@ class AxisTrack:
     ) -> AxisFix | None:
         """One frame with a measured ``ring``; ``expected``: left_from_ring with that ring's normal, the turn predicted.
         None if no marker tells the turn."""
-        views = self.views_about(pictures, ellipses)
+        watch = MarkerWatch.of(pictures, ellipses, ring, self._rig, self._parameters)
         if expected is None or self.constellation.main is None:
-            return self._begun(self._swept(pictures, views, ellipses, ring), ring)
+            return self._begun(watch.swept(), ring)
         base = expected * self._about_z(-self.constellation.main_azimuth_rad)
-        tried = self.remembered(views, base, ring)
+        tried = watch.remembered(self.constellation.landmarks, base)
         self._since_sweep += 1
         p = self._parameters.constellation
         if len(tried) >= p.least_for_track and self._since_sweep < p.sweep_every:
             return self._fixed(tried, base, ring_sigma_m)
-        matches = self._matched(self._swept(pictures, views, ellipses, ring), base, ring)
+        self._since_sweep = 0
+        matches = self._matched(watch.swept(), base, ring)
         by_sweep = {one.landmark for one in matches}
         return self._fixed([*matches, *(one for one in tried if one.landmark not in by_sweep)], base, ring_sigma_m)
 
-    def views_about(self, pictures: Pictures, ellipses: tuple[Ellipse, Ellipse]) -> MarkerViews:
-        """The parts of both pictures in which there are markers."""
-        p = self._parameters.markers
-        left, right = (
-            marker_view(picture, ellipse.centre_px, (p.reach + 0.1) * ellipse.a_px + 20, p)
-            for picture, ellipse in zip(pictures, ellipses, strict=True)
-        )
-        return left, right
-
-    def remembered(self, views: MarkerViews, left_from_memory: RigidTransform, ring: Circle) -> list[Match]:
-        """The landmarks that are seen in both views about where this frame puts them."""
-        found = []
-        for index, landmark in enumerate(self.constellation.landmarks):
-            seen = self._followed(views, landmark, left_from_memory, ring)
-            if seen is not None:
-                found.append(Match(seen, index))
-        return found
-
-    def remembered_in_ring(self, views: MarkerViews, left_from_ring: RigidTransform, ring: Circle) -> list[tuple[Floats, Floats]]:
-        """Pairs (place in the ring's frame (3,), point in the left frame (3,)) of remembered markers that are seen."""
+    def remembered_in_ring(
+        self, pictures: Pictures, ellipses: tuple[Ellipse, Ellipse], left_from_ring: RigidTransform, ring: Circle
+    ) -> list[tuple[Floats, Floats]]:
+        """Pairs (place in the ring's frame (3,), point in the left frame (3,)) of remembered markers, if the ring were there."""
         if self.constellation.main is None:
             return []
         turn = self._about_z(-self.constellation.main_azimuth_rad)
-        places = turn.apply(self.constellation.points_ring)
-        matches = self.remembered(views, left_from_ring * turn, ring)
+        places = self._about_z(-self.constellation.main_azimuth_rad).apply(self.constellation.points_ring)
+        watch = MarkerWatch.of(pictures, ellipses, ring, self._rig, self._parameters)
+        matches = watch.remembered(self.constellation.landmarks, left_from_ring * turn)
         return [(places[one.landmark], one.seen.point_left) for one in matches if one.landmark is not None]
-
-    def _followed(self, views: MarkerViews, landmark: Landmark, left_from_memory: RigidTransform, ring: Circle) -> Sighting | None:
-        p = self._parameters.markers
-        border = left_from_memory.apply(landmark.border_ring)
-        outlines = [
-            _outline_near(view, border, landmark.square, projection, p)
-            for view, projection in zip(views, self._rig.projections, strict=True)
-        ]
-        left, right = outlines
-        if left is None or right is None or not (is_sound(left, p) and is_sound(right, p)):
-            return None
-        if float(epipolar_distance_px(self._rig, left.centre_px, right.centre_px)) > p.epipolar_px:
-            return None
-        point = triangulate(self._rig, left.centre_px, right.centre_px)
-        expected = left_from_memory.apply(landmark.point_ring)
-        near = np.linalg.norm(point - expected) <= self._parameters.constellation.vote_share * ring.radius_m
-        if not near or not is_about(point[None], ring, p)[0]:
-            return None
-        return sighting(left, point, self._rig, ring.normal)
-
-    def _swept(self, pictures: Pictures, views: MarkerViews, ellipses: tuple[Ellipse, Ellipse], ring: Circle) -> list[Sighting]:
-        p = self._parameters.markers
-        self._since_sweep = 0
-        outlines = [
-            outlines_of(view, shapes_of(swept(picture, ellipse, p), ring, projection, p), p)
-            for picture, view, ellipse, projection in zip(pictures, views, ellipses, self._rig.projections, strict=True)
-        ]
-        return sightings(outlines[0], outlines[1], self._rig, ring, p)
 
     def _begun(self, seen: list[Sighting], ring: Circle) -> AxisFix | None:
         """The first frame with markers: X towards the one nearest to the axis."""
@@ -180,7 +127,7 @@ class AxisTrack:
                 seen.append((one.landmark, point, border))
             elif not self._is_known(point):
                 new.append((one.seen, point, border))
-        self.constellation.learn(seen, new, set(range(len(self.constellation.landmarks))))
+        self.constellation.learn(seen, new)
 
     def _is_known(self, point_ring: Floats) -> bool:
         points = self.constellation.points_ring
@@ -190,10 +137,3 @@ class AxisTrack:
     @staticmethod
     def _about_z(angle_rad: float) -> RigidTransform:
         return RigidTransform.from_rotation(Rotation.from_rotvec([0, 0, angle_rad]))
-
-
-def _outline_near(view: MarkerView, border_left: Floats, square: bool, projection: Floats, p: MarkerParameters) -> Outline | None:
-    """The outline in one view, near where the landmark's border (n, 3), left frame, is expected."""
-    pixels = homogeneous(border_left) @ projection.T
-    shape = Shape(pixels[:, :2] / np.maximum(pixels[:, 2:], 1e-6), square)
-    return outline_near(view, shape, p.track_windows_px, p)

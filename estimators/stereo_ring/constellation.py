@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from estimators.stereo_ring.marker_parameters import ConstellationParameters
 from estimators.stereo_ring.marker_points import Sighting
-from estimators.stereo_ring.parameters import ConstellationParameters
 from scenes.arrays import Floats
 
 
@@ -14,7 +14,7 @@ from scenes.arrays import Floats
 class Landmark:
     """A marker: ``point_ring`` (3,) and ``border_ring`` (n, 3), metres, ring frame; how often it was seen and missed.
 
-    ``scatter_m``: how far it was seen from where it is remembered, rms in the ring's plane; NaN-free, begins with a guess.
+    ``scatter_m``: how far it was seen from where it is remembered, rms in the ring's plane; it begins with a guess.
     """
 
     point_ring: Floats
@@ -55,17 +55,15 @@ class Constellation:
         count = np.array([self.landmarks[index].count for index in indices])
         return np.asarray(scatter * np.sqrt(1 + 1 / count))
 
-    def learn(self, seen: list[tuple[int, Floats, Floats]], new: list[tuple[Sighting, Floats, Floats]], tried: set[int]) -> None:
-        """Takes a frame: ``seen`` (landmark, point (3,), border (n, 3)) and ``new`` (sighting, point, border), ring frame.
-
-        ``tried``: landmarks that were looked for.
-        """
+    def learn(self, seen: list[tuple[int, Floats, Floats]], new: list[tuple[Sighting, Floats, Floats]]) -> None:
+        """Takes a frame, in ring coordinates: ``seen`` (landmark, point (3,), border (n, 3)), ``new`` (sighting, point, border)."""
         self.frames += 1
         for index, point, border in seen:
             self.landmarks[index] = self._averaged(self.landmarks[index], point, border)
-        for index in tried - {index for index, _, _ in seen}:
+        for index in set(range(len(self.landmarks))) - {index for index, _, _ in seen}:
             self.landmarks[index] = replace(self.landmarks[index], missed=self.landmarks[index].missed + 1)
-        self.landmarks += [Landmark(point, border, one.square, one.bright, self._parameters.first_scatter_m) for one, point, border in new]
+        guess = self._parameters.first_scatter_m
+        self.landmarks += [Landmark(point, border, one.square, one.bright, guess) for one, point, border in new]
         self._drop()
         self._choose_main()
 

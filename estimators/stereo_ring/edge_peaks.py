@@ -40,7 +40,8 @@ def profile_gradients(picture: Smoothed, stations_px: Floats, normals: Floats, r
     shape = stations_px.shape[:-1]
     points = stations_px.reshape(-1, 1, 2) + offsets[:, None] * normals.reshape(-1, 1, 2)
     values = picture.at(points).reshape(*shape, offsets.size)
-    return (values[..., 2:] - values[..., :-2]) / np.float32(2 * STEP_PX), offsets[1:-1]
+    gradient = (values[..., 2:] - values[..., :-2]) / np.float32(2 * STEP_PX)
+    return np.asarray(gradient, dtype=np.float32), np.asarray(offsets[1:-1], dtype=np.float64)
 
 
 def peaks_in(gradient: Float32s, distance_px: Floats, least_gradient: float, first: bool = False) -> Peaks:

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimators.stereo_ring.circle_cone import Circle
+from estimators.stereo_ring.marker_parameters import MarkerParameters
 from estimators.stereo_ring.marker_shapes import Shape
-from estimators.stereo_ring.outlines import MarkerView, Outline, disc_outline, square_outline
-from estimators.stereo_ring.parameters import MarkerParameters
+from estimators.stereo_ring.marker_view import MarkerView
+from estimators.stereo_ring.outlines import Outline, disc_outline, square_outline
 from estimators.stereo_ring.rig import Rig, epipolar_distance_px, homogeneous, triangulate
 from scenes.arrays import Bools, Floats
 

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 
 from estimators.stereo_ring.circle_cone import Circle
+from estimators.stereo_ring.marker_parameters import MarkerParameters
 from estimators.stereo_ring.marker_sweep import Blob
-from estimators.stereo_ring.parameters import MarkerParameters
 from estimators.stereo_ring.rig import homogeneous
 from scenes.arrays import Floats
 
@@ -41,7 +41,7 @@ def shapes_of(blobs: list[Blob], ring: Circle, projection: Floats, p: MarkerPara
     found = []
     for blob in blobs:
         hull = np.asarray(cv2.convexHull(blob.points_px.astype(np.float32))[:, 0], dtype=np.float64)
-        shape = _regular_shape(_mapped(plane_from_pixels, hull), ring.radius_m, p)
+        shape = _regular_shape(_mapped(np.asarray(plane_from_pixels), hull), ring.radius_m, p)
         if shape is not None:
             found.append(Shape(_mapped(pixels_from_plane, shape), len(shape) == 4))
     return found
@@ -68,5 +68,5 @@ def _regular_shape(hull: Floats, radius_m: float, p: MarkerParameters) -> Floats
 
 
 def _mapped(homography: Floats, points: Floats) -> Floats:
-    image = homogeneous(points) @ homography.T
+    image = np.asarray(homogeneous(points) @ homography.T, dtype=np.float64)
     return np.asarray(image[:, :2] / image[:, 2:])

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.stereo_ring.conics import Ellipse
-from estimators.stereo_ring.parameters import MarkerParameters
+from estimators.stereo_ring.marker_parameters import MarkerParameters
 from scenes.arrays import Bools, Floats
 
 Picture = NDArray[np.uint8]
@@ -52,7 +52,8 @@ def swept(picture: Picture, ring: Ellipse, p: MarkerParameters) -> list[Blob]:
 
 def _regions(small: Picture, ring_area: float, p: MarkerParameters) -> _Regions:
     """Regions of marker-like size, fill and aspect; ``ring_area``: product of the ring's semi-axes, px² of this picture."""
-    rows, labels = [], []
+    rows: list[Floats] = []
+    labels: list[NDArray[np.int32]] = []
     black = float(np.percentile(small, p.low_percent))
     for number, level in enumerate(grey_levels(small, p)):
         masks = (small < level, small > level, _band(small, black, float(level), p))

@@ -27,7 +27,10 @@ class Smoothed:
 
 
 def smoothed(pixels: NDArray[np.generic], centre_px: Floats | None, half_px: float, sigma_px: float) -> Smoothed:
-    """The square of half-width ``half_px`` about ``centre_px`` (2,), or all of it if None, after a Gaussian of ``sigma_px`` (0: none)."""
+    """The square of half-width ``half_px`` about ``centre_px`` (2,), or all if that is None.
+
+    ``sigma_px``: of the Gaussian before sampling; 0 for none.
+    """
     height, width = pixels.shape
     low, high = np.zeros(2, dtype=int), np.array([width, height])
     if centre_px is not None:

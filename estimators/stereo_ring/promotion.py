@@ -36,7 +36,7 @@ def _support(view: Smoothed, projection: Floats, circle: Circle, radii: Floats, 
     count = (len(radii), 3)
     conics = conics_of_circles(np.broadcast_to(circle.centre_m, count), np.broadcast_to(circle.normal, count), radii, projection)
     ellipses = parameters_from_conics(conics)
-    real = np.isfinite(ellipses).all(axis=-1)
+    real = np.asarray(np.isfinite(ellipses).all(axis=-1))
     stations, normals = stations_on(np.where(real[:, None], ellipses, 1.0), _STATIONS)
     peaks = edge_peaks(view, stations, normals, p.promote.near_px, p.measure.least_gradient_dn)
     near = peaks.found & (np.abs(peaks.distance_px) <= p.promote.near_px)

@@ -78,7 +78,7 @@ def stations_on(ellipses: Floats, count: int) -> tuple[Floats, Floats]:
 def fitted(points_px: Floats, starts: Floats, p: RefineParameters) -> tuple[Floats, Bools]:
     """Robust Sampson fits (k, 5) to points (k, n, 2), NaN where there is none; ``kept`` (k, n): points of weight above 0."""
     local, scale = _local(points_px, starts)
-    known = np.isfinite(local).all(axis=-1)
+    known = np.asarray(np.isfinite(local).all(axis=-1))
     u, v = np.moveaxis(np.where(known[..., None], local, 0.0), -1, 0)
     monomials = np.stack([u * u, 2 * u * v, v * v, 2 * u, 2 * v], axis=-1)
     conic = _start_conic(starts, scale)
@@ -90,7 +90,7 @@ def fitted(points_px: Floats, starts: Floats, p: RefineParameters) -> tuple[Floa
         conic = _solved(monomials, weight / np.maximum(slope, 1e-6) ** 2)
     parameters = _global(conic, starts, scale)
     enough = np.sum(weight > 0, axis=-1) >= _LEAST_POINTS
-    return np.where(enough[:, None], parameters, np.nan), weight > 0
+    return np.where(enough[:, None], parameters, np.nan), np.asarray(weight > 0)
 
 
 def _local(points_px: Floats, ellipses: Floats) -> tuple[Floats, Floats]:

@@ -29,7 +29,7 @@ class Slopes:
 
         0 where the ellipse is none or lies by half outside the picture.
         """
-        real = np.isfinite(ellipses).all(axis=-1)
+        real = np.asarray(np.isfinite(ellipses).all(axis=-1))
         stations, normals = stations_on(np.where(real[:, None], ellipses, 1.0), _STATIONS)
         at = (((stations + 0.5) * _SHRINK) - 0.5).astype(np.float32)
         u, v = (cv2.remap(part, at[..., 0], at[..., 1], cv2.INTER_LINEAR) for part in (self.along_u, self.along_v))

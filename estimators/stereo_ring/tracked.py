@@ -111,7 +111,7 @@ class TrackedRing:
         ellipses = seen_ellipses(ring, self._setting.rig)
         if ellipses is None:
             return "the ring would lie outside what the cameras see"
-        seen = self._axis.remembered_in_ring(self._axis.views_about(pictures, ellipses), expected, ring)
+        seen = self._axis.remembered_in_ring(pictures, ellipses, expected, ring)
         p = self.parameters.constellation
         known = np.array([place for place, _ in seen]).reshape(-1, 3)
         found = np.array([point for _, point in seen]).reshape(-1, 3)

@@ -35,7 +35,8 @@ def flow_circle(last: LastSeen, pictures: Pictures, rig: Rig, p: TrackedParamete
         low, high = _part(ellipse, before.shape, setting.window_px * 2**setting.levels)
         rows, columns = slice(low[1], high[1]), slice(low[0], high[0])
         local = Ellipse(ellipse.x_px - low[0], ellipse.y_px - low[1], ellipse.a_px, ellipse.b_px, ellipse.theta_rad)
-        points = followed_points(np.ascontiguousarray(before[rows, columns]), np.ascontiguousarray(after[rows, columns]), local, setting)
+        parts = [np.ascontiguousarray(picture[rows, columns]) for picture in (before, after)]
+        points = followed_points(parts[0], parts[1], local, setting)
         if len(points) < setting.least_share * setting.points:
             return None
         followed.append(points + low)

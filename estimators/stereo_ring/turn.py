@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimators.stereo_ring.parameters import ConstellationParameters
+from estimators.stereo_ring.marker_parameters import ConstellationParameters
 from scenes.arrays import Bools, Floats
 
 _STEPS = 4
@@ -25,7 +25,9 @@ class Turn:
     used: Bools
 
 
-def voted_pairs(observed: Floats, known: Floats, alike: Bools, radius_m: float, p: ConstellationParameters) -> list[tuple[int, int]]:
+def voted_pairs(
+    observed: Floats, known: Floats, alike: Bools, radius_m: float, p: ConstellationParameters
+) -> list[tuple[int, int]]:
     """Which of observed (n, 3) is which of known (m, 3): the turn on which most agree, the smallest of equals.
 
     ``alike`` (n, m): pairs that may be one by their looks. Pairs (observed, known), each at most once.
