@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from estimators.stereo_ring.circle_cone import Circle, conics_of_circles
 from estimators.stereo_ring.conics import parameters_from_conics
 from estimators.stereo_ring.cross_view import Circles, circles_between, circles_through
+from estimators.stereo_ring.edge_shares import edge_shares
 from estimators.stereo_ring.measurement import Measured, Views, measured
 from estimators.stereo_ring.parameters import TrackedParameters
 from estimators.stereo_ring.pictures import Smoothed
@@ -43,7 +44,7 @@ def acquired(
         offered = f"{len(candidates[0])} and {len(candidates[1])}"
         return Acquired(None, count, f"none of {offered} ellipses (left, right) lies on an edge all round")
     coarse = (slopes(pictures[0], p.acquire.slope_sigma_px), slopes(pictures[1], p.acquire.slope_sigma_px))
-    found = _measured_best(views, _ranked(_circles(good, coarse, rig, p), coarse, rig, p), rig, p)
+    found = _measured_best(views, _ranked(_circles(good, coarse, rig, p), coarse, views, rig, p), rig, p)
     if found is None:
         return Acquired(None, count, f"{count[0]} and {count[1]} ellipses (left, right) show no circle that both views see")
     return Acquired(promoted(views, rig, found, p), count)
@@ -80,13 +81,16 @@ def _circles(good: tuple[Floats, Floats], coarse: tuple[Slopes, Slopes], rig: Ri
     return tuple(np.concatenate(one) for one in zip(*parts, strict=True))  # type: ignore[return-value]
 
 
-def _ranked(circles: Circles, coarse: tuple[Slopes, Slopes], rig: Rig, p: TrackedParameters) -> list[Circle]:
-    """The circles with the best look in the view that sees them worse, each once."""
+def _ranked(
+    circles: Circles, coarse: tuple[Slopes, Slopes], views: Views, rig: Rig, p: TrackedParameters
+) -> list[Circle]:
+    """The circles with the best look in the view that sees them worse, first coarse, then fine; each once."""
     pictures = [parameters_from_conics(conics_of_circles(*circles, m)) for m in rig.projections]
     support = np.min([s.support(e, p.acquire.full_gradient_dn) for s, e in zip(coarse, pictures, strict=True)], axis=0)
-    order = np.argsort(-support, kind="stable")[: 4 * p.acquire.circles]
+    order = np.argsort(-support, kind="stable")[: p.acquire.looked_at]
     rows = np.column_stack([pictures[0][:, :4], pictures[1][:, :4], *circles])[order]
-    once = _each_once_in_both(rows)[: p.acquire.circles]
+    share = edge_shares(views, rig, (rows[:, 8:11], rows[:, 11:14], rows[:, 14]), p.acquire.near_px, p.measure.least_gradient_dn)
+    once = _each_once_in_both(rows[np.argsort(-share, kind="stable")])[: p.acquire.circles]
     return [Circle(row[8:11], row[11:14], float(row[14])) for row in once]
 
 

@@ -22,14 +22,17 @@ class Peaks:
 
 
 def edge_peaks(
-    picture: Smoothed, stations_px: Floats, normals: Floats, reach_px: float, least_gradient: float, first: bool = False
+    picture: Smoothed, stations_px: Floats, normals: Floats, reach_px: float | Floats, least_gradient: float, first: bool = False
 ) -> Peaks:
-    """The steepest place within ``reach_px`` of stations (..., n, 2) along unit ``normals`` (..., n, 2).
+    """The steepest place within ``reach_px`` (one, or (...,)) of stations (..., n, 2) along unit ``normals`` (..., n, 2).
 
     ``first``: not the steepest, but the first that is steep enough on the way along the normal: the edge of a surface that is
     plain inside, whatever shadow lies beyond it.
     """
-    gradient, distance_px = profile_gradients(picture, stations_px, normals, reach_px)
+    gradient, distance_px = profile_gradients(picture, stations_px, normals, float(np.max(reach_px)))
+    if isinstance(reach_px, np.ndarray):
+        beyond = np.abs(distance_px) > reach_px[..., None, None] + STEP_PX
+        gradient = np.where(beyond, np.float32(0), gradient)
     return peaks_in(gradient, distance_px, least_gradient, first)
 
 

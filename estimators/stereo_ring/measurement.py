@@ -16,7 +16,7 @@ from estimators.stereo_ring.conics import Ellipse, ellipse_from_conic, ellipse_f
 from estimators.stereo_ring.edge_peaks import edge_peaks
 from estimators.stereo_ring.parameters import MeasureParameters
 from estimators.stereo_ring.pictures import Smoothed
-from estimators.stereo_ring.refine import stations_on
+from estimators.stereo_ring.refine import scaled_window, stations_on
 from estimators.stereo_ring.rig import Rig
 from scenes.arrays import Floats
 
@@ -90,7 +90,8 @@ def _edges(view: Smoothed, conic: Floats, window_px: float, count: int, p: Measu
     if not np.isfinite(ellipse).all():
         return np.empty((0, 2))
     stations, normals = stations_on(ellipse, count)
-    peaks = edge_peaks(view, stations, normals, window_px, p.least_gradient_dn)
+    reach = float(scaled_window(window_px, ellipse[2]))
+    peaks = edge_peaks(view, stations, normals, reach, p.least_gradient_dn)
     return np.asarray((stations + peaks.distance_px[:, None] * normals)[peaks.found])
 
 

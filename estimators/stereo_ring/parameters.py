@@ -52,7 +52,7 @@ class AcquireParameters(Spec):
 
     nearest_m: Positive = 2.0  # depths at which a circle is looked for behind an ellipse …
     farthest_m: Positive = 14.0
-    depths: Annotated[int, Field(ge=8)] = 400  # … so many, evenly spaced in their logarithm
+    depths: Annotated[int, Field(ge=8)] = 320  # … so many, evenly spaced in their logarithm
     depths_kept: Count = 3  # best depths for each ellipse and normal
     least_radius_m: Positive = 0.1
     most_radius_m: Positive = 2.0
@@ -61,7 +61,9 @@ class AcquireParameters(Spec):
     slope_sigma_px: Positive = 1.5  # smoothing of the picture in which depths are tried
     full_gradient_dn: Positive = 10.0  # DN a pixel there at which a station counts in full
     ellipses: Count = 10  # ellipses a view that are followed up
-    circles: Count = 8  # circles that are measured
+    looked_at: Count = 80  # circles that are looked at in the fine picture
+    near_px: Positive = 1.0  # an edge there speaks for a circle if it is this near
+    circles: Count = 6  # circles that are measured
     windows_px: Windows = (6.0, 4.0, 3.0)
     same_size: Fraction = 0.85  # circles at least this large against the largest compete by support, smaller ones do not
     share: Fraction = 0.45  # an edge is a circle's if this share of stations supports it in both views …

@@ -6,41 +6,25 @@ on a spacecraft lies in the same plane about the same centre.
 
 import numpy as np
 
-from estimators.stereo_ring.circle_cone import Circle, conics_of_circles
-from estimators.stereo_ring.conics import parameters_from_conics
-from estimators.stereo_ring.edge_peaks import edge_peaks
+from estimators.stereo_ring.circle_cone import Circle
+from estimators.stereo_ring.edge_shares import edge_shares
 from estimators.stereo_ring.measurement import Measured, Views, measured
 from estimators.stereo_ring.parameters import TrackedParameters
-from estimators.stereo_ring.pictures import Smoothed
-from estimators.stereo_ring.refine import stations_on
 from estimators.stereo_ring.rig import Rig
 from scenes.arrays import Bools, Floats
-
-_STATIONS = 120
 
 
 def promoted(views: Views, rig: Rig, found: Measured, p: TrackedParameters) -> Measured:
     """The outermost edge coplanar and concentric with ``found``, or ``found`` itself if there is none farther out."""
     radii = found.circle.radius_m * np.arange(1 + p.promote.from_share, 1 + p.promote.to_share, p.promote.step_share)
-    support = np.min([_support(view, m, found.circle, radii, p) for view, m in zip(views, rig.projections, strict=True)], axis=0)
+    circles = np.broadcast_to(found.circle.centre_m, (len(radii), 3)), np.broadcast_to(found.circle.normal, (len(radii), 3)), radii
+    support = edge_shares(views, rig, circles, p.promote.near_px, p.measure.least_gradient_dn)
     for index in np.flatnonzero(_peaks(support) & (support >= p.promote.support))[::-1]:
         start = Circle(found.circle.centre_m, found.circle.normal, float(radii[index]))
         edge = measured(views, rig, start, p.promote.windows_px, p.measure)
         if edge is not None and edge.is_within(p.promote.share, p.promote.rms_px) and _is_about(edge.circle, start, p):
             return edge
     return found
-
-
-def _support(view: Smoothed, projection: Floats, circle: Circle, radii: Floats, p: TrackedParameters) -> Floats:
-    """Share (k,) of stations with an edge, for concentric circles of ``radii`` (k,)."""
-    count = (len(radii), 3)
-    conics = conics_of_circles(np.broadcast_to(circle.centre_m, count), np.broadcast_to(circle.normal, count), radii, projection)
-    ellipses = parameters_from_conics(conics)
-    real = np.asarray(np.isfinite(ellipses).all(axis=-1))
-    stations, normals = stations_on(np.where(real[:, None], ellipses, 1.0), _STATIONS)
-    peaks = edge_peaks(view, stations, normals, p.promote.near_px, p.measure.least_gradient_dn)
-    near = peaks.found & (np.abs(peaks.distance_px) <= p.promote.near_px)
-    return np.where(real, np.mean(near, axis=-1), 0.0)
 
 
 def _peaks(support: Floats) -> Bools:

@@ -22,6 +22,7 @@ from estimators.stereo_ring.robust import tukey_weights
 from scenes.arrays import Bools, Floats
 
 _LEAST_POINTS = 12
+_FULL_WINDOW_PX, _LEAST_WINDOW_PX = 250.0, 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,14 +46,13 @@ class EdgeFits:
         return np.asarray(self.points_px[index][np.abs(np.nan_to_num(self.residual_px[index], nan=np.inf)) <= within_px])
 
 
-def refined(picture: Smoothed, ellipses: Floats, windows_px: Sequence[float], p: RefineParameters, first: bool = False) -> EdgeFits:
-    """Ellipses (k, 5), each moved to the edge nearby; ``windows_px``: half-widths of the search, one after the other;
-    ``first``: the first edge on the way out, not the steepest.
-    """
+def refined(picture: Smoothed, ellipses: Floats, windows_px: Sequence[float], p: RefineParameters) -> EdgeFits:
+    """Ellipses (k, 5), each moved to the edge nearby; ``windows_px``: half-widths of the search, one after the other."""
     current = np.asarray(ellipses, dtype=np.float64)
     for window in windows_px:
         stations, normals = stations_on(current, p.stations)
-        peaks = edge_peaks(picture, np.nan_to_num(stations), np.nan_to_num(normals), window, p.least_gradient_dn, first)
+        reach = scaled_window(window, np.nan_to_num(current[:, 2], nan=1.0))
+        peaks = edge_peaks(picture, np.nan_to_num(stations), np.nan_to_num(normals), reach, p.least_gradient_dn)
         points = stations + peaks.distance_px[..., None] * normals
         points = np.where(peaks.found[..., None], points, np.nan)
         current, kept = fitted(points, current, p)
@@ -62,6 +62,14 @@ def refined(picture: Smoothed, ellipses: Floats, windows_px: Sequence[float], p:
     rms = np.sqrt(np.sum(np.where(kept, residual, 0.0) ** 2, axis=-1) / np.maximum(count - 5, 1))
     rms = np.where(np.isfinite(current[:, 0]), rms, np.inf)
     return EdgeFits(current, points, residual, peaks.gradient, np.mean(near, axis=-1), rms)
+
+
+def scaled_window(window_px: float, semi_axis_px: Floats) -> Floats:
+    """The half-width (...,) of a search about ellipses with ``semi_axis_px`` (...,): less where all of the ring is smaller.
+
+    An estimate is off by a share of the size, and so far away are the neighbouring edges.
+    """
+    return np.clip(window_px * semi_axis_px / _FULL_WINDOW_PX, min(window_px, _LEAST_WINDOW_PX), window_px)
 
 
 def stations_on(ellipses: Floats, count: int) -> tuple[Floats, Floats]:
