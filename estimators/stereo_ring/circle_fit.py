@@ -4,8 +4,11 @@ Unknowns: centre X0 (3), normal n (2, in its tangent plane), radius r. The resid
 in pixels, from the conic of the circle in its view, so there is no hole where one camera sees the circle face-on, as there is
 in the mean of two normals. Loss: soft-L1; Levenberg-Marquardt with the analytic Jacobian, both views as their dual conics
 C* = r² A (I − n nᵀ) Aᵀ − b bᵀ with A = K R, b = K (R X0 + T), dC = −C dC* C.
+
+The two edges of a ring's face have the centre and the normal in common: ``fit_circles`` takes them together.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,9 +39,24 @@ class CircleFit:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _View:
-    """One camera with its points: ``A`` (3, 3), ``b`` (3,) as above in focal lengths, monomials (n, 6), coordinates (n, 3)."""
+class CirclesFit:
+    """The best concentric circles in one plane: the outer ``circle``, all ``radii_m`` (k,), signed residuals (left (n,), right
+    (m,)) of each; ``covariance`` (5 + k, 5 + k), ``tangent`` and ``sigma_px`` as in ``CircleFit``."""
 
+    circle: Circle
+    radii_m: Floats
+    residuals_px: tuple[tuple[Floats, Floats], ...]
+    covariance: Floats
+    tangent: Floats
+    sigma_px: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _View:
+    """One camera with the points of one circle: which of them, ``A`` (3, 3), ``b`` (3,) as above in focal lengths, monomials
+    (n, 6), coordinates (n, 3)."""
+
+    circle: int
     A: Floats
     shift: Floats
     focal_px: float
@@ -54,27 +72,51 @@ def fit_circle(
     ``loss_px``: distance beyond which a residual counts about linearly (soft-L1); None for plain least squares.
     ``smallest_step``: relative decrease of the cost at which it rests.
     """
-    if len(left_px) + len(right_px) < 7:
+    fit = fit_circles(rig, [(left_px, right_px)], start, [start.radius_m], loss_px, smallest_step)
+    if fit is None:
         return None
-    views = (_view(rig.K_left, np.eye(3), np.zeros(3), left_px), _view(rig.K_right, rig.R, rig.T, right_px))
-    x0, n, r = np.asarray(start.centre_m, dtype=np.float64), np.asarray(start.normal, dtype=np.float64), start.radius_m
+    left, right = fit.residuals_px[0]
+    return CircleFit(fit.circle, left, right, fit.covariance, fit.tangent, fit.sigma_px)
+
+
+def fit_circles(
+    rig: Rig,
+    edges: Sequence[tuple[Floats, Floats]],
+    start: Circle,
+    radii_m: Sequence[float],
+    loss_px: float | None = 0.5,
+    smallest_step: float = _SMALLEST_STEP,
+) -> CirclesFit | None:
+    """As ``fit_circle`` for concentric circles in one plane: ``edges`` (left (n, 2), right (m, 2)) and first ``radii_m`` of each.
+
+    The first is the one that is answered as ``circle``; the radius in ``start`` is not used.
+    """
+    if sum(len(points) for pair in edges for points in pair) < 6 + len(edges):
+        return None
+    views = [
+        _view(number, K, R, T, points)
+        for number, pair in enumerate(edges)
+        for points, (K, R, T) in zip(pair, ((rig.K_left, np.eye(3), np.zeros(3)), (rig.K_right, rig.R, rig.T)), strict=True)
+    ]
+    x0, n = np.asarray(start.centre_m, dtype=np.float64), np.asarray(start.normal, dtype=np.float64)
     with np.errstate(all="ignore"):
-        found = _minimised(views, (x0, n, r), loss_px, smallest_step)
+        found = _minimised(views, (x0, n, np.asarray(radii_m, dtype=np.float64)), loss_px, smallest_step)
         if found is None:
             return None
-        (x0, n, r), residual, jacobian, tangent = found
+        (x0, n, radii), residual, jacobian, tangent = found
         covariance, sigma_px = _accuracy(residual, jacobian, loss_px)
-    if not (r > 0 and x0[2] > 0 and np.isfinite(covariance).all()):
+    if not ((radii > 0).all() and x0[2] > 0 and np.isfinite(covariance).all()):
         return None
-    n = n if n @ x0 < 0 else -n
-    return CircleFit(Circle(x0, n, float(r)), residual[: len(left_px)], residual[len(left_px) :], covariance, tangent, sigma_px)
+    parts = np.split(residual, np.cumsum([len(view.points) for view in views])[:-1])
+    circle = Circle(x0, n if n @ x0 < 0 else -n, float(radii[0]))
+    return CirclesFit(circle, radii, tuple(zip(parts[::2], parts[1::2], strict=True)), covariance, tangent, sigma_px)
 
 
-_State = tuple[Floats, Floats, float]
+_State = tuple[Floats, Floats, Floats]
 
 
 def _minimised(
-    views: tuple[_View, _View], state: _State, loss_px: float | None, smallest_step: float
+    views: Sequence[_View], state: _State, loss_px: float | None, smallest_step: float
 ) -> tuple[_State, Floats, Floats, Floats] | None:
     """Levenberg-Marquardt with iterated weights (Nocedal & Wright 2006, ch. 10): state, residuals, Jacobian, tangent basis."""
     residual, jacobian, tangent = _linearised(views, state)
@@ -100,18 +142,18 @@ def _minimised(
     return state, residual, jacobian, tangent
 
 
-def _view(K: Floats, R: Floats, T: Floats, points_px: Floats) -> _View:
+def _view(circle: int, K: Floats, R: Floats, T: Floats, points_px: Floats) -> _View:
     """Coordinates about the principal point in units of fx: well conditioned, and distances stay pixels over fx."""
     focal_px = float(K[0, 0])
     scaled = np.array([[1.0, K[0, 1] / focal_px, 0.0], [0.0, K[1, 1] / focal_px, 0.0], [0.0, 0.0, 1.0]])
     points = np.ones((len(points_px), 3))
     points[:, :2] = (points_px - K[:2, 2]) / focal_px
     u, v, w = points.T
-    return _View(scaled @ R, scaled @ T, focal_px, points, np.stack([u * u, v * v, w, 2 * u * v, 2 * u, 2 * v], axis=1))
+    return _View(circle, scaled @ R, scaled @ T, focal_px, points, np.stack([u * u, v * v, w, 2 * u * v, 2 * u, 2 * v], axis=1))
 
 
-def _linearised(views: tuple[_View, _View], state: _State) -> tuple[Floats, Floats, Floats]:
-    """Residuals (n,) px, Jacobian (n, 6), and the basis (2, 3) along which the normal may move."""
+def _linearised(views: Sequence[_View], state: _State) -> tuple[Floats, Floats, Floats]:
+    """Residuals (n,) px, Jacobian (n, 5 + k), and the basis (2, 3) along which the normal may move."""
     _, n, _ = state
     aside = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
     first = aside / np.linalg.norm(aside)
@@ -121,16 +163,17 @@ def _linearised(views: tuple[_View, _View], state: _State) -> tuple[Floats, Floa
 
 
 def _conic_and_slopes(view: _View, state: _State, tangent: Floats) -> tuple[Floats, Floats]:
-    """C (3, 3), positive outside, and dC (6, 3, 3) by the six unknowns."""
-    x0, n, r = state
+    """C (3, 3), positive outside, and dC (5 + k, 3, 3) by the unknowns."""
+    x0, n, radii = state
+    r = float(radii[view.circle])
     A, b, An = view.A, view.A @ x0 + view.shift, view.A @ n
     plane = A @ A.T - np.outer(An, An)
     dual = r * r * plane - np.outer(b, b)
-    slopes = np.empty((6, 3, 3))
+    slopes = np.zeros((5 + len(radii), 3, 3))
     slopes[:3] = -(A.T[:, :, None] * b)
     slopes[3:5] = -r * r * ((tangent @ A.T)[:, :, None] * An)
     slopes[:5] += np.swapaxes(slopes[:5], 1, 2)
-    slopes[5] = 2 * r * plane
+    slopes[5 + view.circle] = 2 * r * plane
     size = float(b @ b)
     C = np.asarray(np.linalg.inv(dual / size), dtype=np.float64)
     dC = -C @ (slopes / size) @ C
@@ -139,9 +182,9 @@ def _conic_and_slopes(view: _View, state: _State, tangent: Floats) -> tuple[Floa
 
 
 def _sampson(view: _View, C: Floats, dC: Floats) -> tuple[Floats, Floats]:
-    """Sampson distances (n,) px and their derivatives (n, 6)."""
+    """Sampson distances (n,) px and their derivatives (n, 5 + k)."""
     value = view.monomials @ C.reshape(9)[_SYMMETRIC]
-    d_value = view.monomials @ dC.reshape(6, 9)[:, _SYMMETRIC].T
+    d_value = view.monomials @ dC.reshape(-1, 9)[:, _SYMMETRIC].T
     gradient = view.points @ C[:, :2]
     length = np.hypot(gradient[:, 0], gradient[:, 1])
     d_length = np.einsum("nj,inj->ni", gradient / length[:, None], view.points @ dC[:, :, :2])
@@ -151,7 +194,7 @@ def _sampson(view: _View, C: Floats, dC: Floats) -> tuple[Floats, Floats]:
 
 def _moved(state: _State, step: Floats, tangent: Floats) -> _State:
     n = state[1] + step[3:5] @ tangent
-    return state[0] + step[:3], n / np.linalg.norm(n), float(state[2] + step[5])
+    return state[0] + step[:3], n / np.linalg.norm(n), state[2] + step[5:]
 
 
 def _weights(residual: Floats, loss_px: float | None) -> Floats:
@@ -165,7 +208,7 @@ def _cost(residual: Floats, loss_px: float | None) -> float:
 
 
 def _accuracy(residual: Floats, jacobian: Floats, loss_px: float | None) -> tuple[Floats, float]:
-    """Covariance (6, 6) of an M-estimate (Huber & Ronchetti 2009, sec. 7.6), and the scale in pixels that it stands for."""
+    """Covariance of an M-estimate (Huber & Ronchetti 2009, sec. 7.6), and the scale in pixels that it stands for."""
     weight = _weights(residual, loss_px)
     bend = weight if loss_px is None else weight**3  # the slope of the weighted residual
     pull = float(np.sum((weight * residual) ** 2)) / max(len(residual) - 6, 1)

@@ -15,7 +15,7 @@ _STATIONS = 120
 
 
 def edge_shares(views: tuple[Smoothed, Smoothed], rig: Rig, circles: Circles, near_px: float, least_gradient: float) -> Floats:
-    """(k,): the share of stations with an edge within ``near_px``, the smaller of the two views'; 0 where a view sees no ellipse."""
+    """(k,): the share of stations with an edge within ``near_px``, the smaller of both views'; 0 where one sees no ellipse."""
     shares = [_share(view, m, circles, near_px, least_gradient) for view, m in zip(views, rig.projections, strict=True)]
     return np.minimum(shares[0], shares[1])
 

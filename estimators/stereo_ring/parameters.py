@@ -83,6 +83,9 @@ class PromoteParameters(Spec):
     rms_px: Positive = 0.7  # … scattering by no more than this
     shift_share: Positive = 0.02  # and if its centre and radius are, in radii, this near where they should be
     tilt: Positive = 0.02  # rad between the two normals
+    inner_from_share: Positive = 0.75  # the face's inner edge is looked for from this share of the radius …
+    inner_to_share: Positive = 0.985  # … to this
+    inner_share: Fraction = 0.5  # and is real if this share of stations supports it in both views
 
 
 class TrackParameters(Spec):

@@ -1,7 +1,8 @@
 """From a circle that was found to the outermost edge in its plane about its centre.
 
 A docking ring's face has two edges, and the inner one is often the stronger. The ring's outer edge is asked for; nothing else
-on a spacecraft lies in the same plane about the same centre.
+on a spacecraft lies in the same plane about the same centre. The inner edge is a second measurement of centre and normal, with
+its own neighbours.
 """
 
 import numpy as np
@@ -25,6 +26,21 @@ def promoted(views: Views, rig: Rig, found: Measured, p: TrackedParameters) -> M
         if edge is not None and edge.is_within(p.promote.share, p.promote.rms_px) and _is_about(edge.circle, start, p):
             return edge
     return found
+
+
+def inner_share_of(views: Views, rig: Rig, outer: Measured, p: TrackedParameters) -> float | None:
+    """Radius of the best edge inside ``outer``, coplanar and concentric with it, over its radius; None if there is none."""
+    radii = outer.circle.radius_m * np.arange(p.promote.inner_from_share, p.promote.inner_to_share, p.promote.step_share)
+    circles = np.broadcast_to(outer.circle.centre_m, (len(radii), 3)), np.broadcast_to(outer.circle.normal, (len(radii), 3)), radii
+    support = edge_shares(views, rig, circles, p.promote.near_px, p.measure.least_gradient_dn)
+    best = int(np.argmax(np.where(_peaks(support), support, 0.0)))
+    if support[best] < p.promote.support:
+        return None
+    start = Circle(outer.circle.centre_m, outer.circle.normal, float(radii[best]))
+    edge = measured(views, rig, start, p.promote.windows_px, p.measure, fine=False)
+    if edge is None or not edge.is_within(p.promote.inner_share, p.promote.rms_px) or not _is_about(edge.circle, start, p):
+        return None
+    return edge.circle.radius_m / outer.circle.radius_m
 
 
 def _peaks(support: Floats) -> Bools:

@@ -11,7 +11,7 @@ from estimators.stereo_ring.detector import detect_ellipses
 from estimators.stereo_ring.measurement import Measured, Views
 from estimators.stereo_ring.parameters import TrackedParameters
 from estimators.stereo_ring.pictures import smoothed
-from estimators.stereo_ring.promotion import promoted
+from estimators.stereo_ring.promotion import inner_share_of, promoted
 from estimators.stereo_ring.rig import Rig
 from estimators.stereo_ring.stopwatch import Stopwatch
 from estimators.stereo_ring.tracking import LastSeen, Pictures, flow_circle, tracked_ring, why_not
@@ -36,6 +36,7 @@ class RingTrack:
         self._rig, self._parameters = rig, parameters
         self.memory = Confirmation()
         self._last: LastSeen | None = None
+        self._inner_share: float | None = None  # radius of the face's inner edge over that of the outer one
         self._frames = 0  # since the ring was acquired
         self._lost = 0  # frames in a row without it
 
@@ -62,13 +63,14 @@ class RingTrack:
         flow = flow_circle(last, pictures, self._rig, p)
         watch.ends("track")
         starts = [one for one in (flow, expected, last.measured.circle) if one is not None]
-        found = tracked_ring(views, self._rig, starts, self.memory, p)
+        found = tracked_ring(views, self._rig, starts, self._inner_share, self.memory, p)
         watch.ends("refine")
         if isinstance(found, str):
             return RingSeen(None, False, views, found)
         self._frames += 1
         if self._frames <= p.track.promote_frames or self._frames % p.track.promote_every == 0:
             found = self._promoted(views, found)
+            self._inner_share = found.inner_share or inner_share_of(views, self._rig, found, p)
             watch.ends("promote")
         return RingSeen(found, False, views)
 
@@ -77,7 +79,7 @@ class RingTrack:
         larger = promoted(views, self._rig, found, self._parameters)
         if larger is found:
             return found
-        self.memory, self._frames = Confirmation(), 0
+        self.memory, self._frames, self._inner_share = Confirmation(), 0, None
         return larger
 
     def _acquired(self, pictures: Pictures, failed: RingSeen | None, watch: Stopwatch) -> RingSeen:
@@ -96,7 +98,10 @@ class RingTrack:
         if not self.memory.agrees(found.best.circle.radius_m, p.track):
             self.memory = Confirmation()
         self._frames = 0
-        return RingSeen(found.best, False, views)
+        self._inner_share = inner_share_of(views, self._rig, found.best, p)
+        again = tracked_ring(views, self._rig, [found.best.circle], self._inner_share, Confirmation(), p)
+        watch.ends("acquire")
+        return RingSeen(found.best if isinstance(again, str) else again, False, views)
 
     def _offered(self, picture: np.ndarray) -> Floats:
         rows = [one.ellipse.parameters for one in detect_ellipses(picture, self._parameters.detector)]

@@ -44,12 +44,17 @@ def flow_circle(last: LastSeen, pictures: Pictures, rig: Rig, p: TrackedParamete
     return None if fit is None else fit.circle
 
 
-def tracked_ring(views: Views, rig: Rig, starts: Sequence[Circle], memory: Confirmation, p: TrackedParameters) -> Measured | str:
-    """The remembered ring near one of several predictions, the first that will do; or a sentence why none does."""
+def tracked_ring(
+    views: Views, rig: Rig, starts: Sequence[Circle], inner_share: float | None, memory: Confirmation, p: TrackedParameters
+) -> Measured | str:
+    """The remembered ring near one of several predictions, the first that will do; or a sentence why none does.
+
+    ``inner_share``: radius of its face's inner edge over that of the outer one, if it has been seen.
+    """
     reason = "there is no prediction"
     tries = [(start, windows) for windows in (p.track.windows_px, p.track.wide_windows_px) for start in starts]
     for start, windows in tries:
-        found = measured(views, rig, start, windows, p.measure)
+        found = measured(views, rig, start, windows, p.measure, inner_share=inner_share)
         reason = why_not(found, memory, p)
         if found is not None and not reason:
             return found
