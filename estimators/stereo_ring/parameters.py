@@ -60,10 +60,10 @@ class AcquireParameters(Spec):
     epipolar_px: Positive = 2.5  # distance of the centre's images from each other's epipolar lines
     slope_sigma_px: Positive = 1.5  # smoothing of the picture in which depths are tried
     full_gradient_dn: Positive = 10.0  # DN a pixel there at which a station counts in full
-    ellipses: Count = 10  # ellipses a view that are followed up
+    ellipses: Count = 6  # ellipses a view that are followed up
     looked_at: Count = 80  # circles that are looked at in the fine picture
     near_px: Positive = 1.0  # an edge there speaks for a circle if it is this near
-    circles: Count = 6  # circles that are measured
+    circles: Count = 4  # circles that are measured
     windows_px: Windows = (6.0, 4.0, 3.0)
     same_size: Fraction = 0.85  # circles at least this large against the largest compete by support, smaller ones do not
     share: Fraction = 0.45  # an edge is a circle's if this share of stations supports it in both views …
@@ -77,7 +77,9 @@ class PromoteParameters(Spec):
     to_share: Positive = 0.3  # … to this much
     step_share: Positive = 0.004
     near_px: Positive = 1.0  # an edge this near speaks for the radius
-    support: Fraction = 0.45  # share of stations from which a radius is measured
+    support: Fraction = 0.45  # share of stations from which a radius is measured …
+    above_median: Fraction = 0.12  # … if it is this much above what other radii have
+    radii: Count = 3  # the best so many
     windows_px: Windows = (3.0, 2.0, 1.5)
     share: Fraction = 0.42  # the edge is real if this share of stations supports it in both views …
     rms_px: Positive = 0.7  # … scattering by no more than this

@@ -20,7 +20,9 @@ def promoted(views: Views, rig: Rig, found: Measured, p: TrackedParameters) -> M
     radii = found.circle.radius_m * np.arange(1 + p.promote.from_share, 1 + p.promote.to_share, p.promote.step_share)
     circles = np.broadcast_to(found.circle.centre_m, (len(radii), 3)), np.broadcast_to(found.circle.normal, (len(radii), 3)), radii
     support = edge_shares(views, rig, circles, p.promote.near_px, p.measure.least_gradient_dn)
-    for index in np.flatnonzero(_peaks(support) & (support >= p.promote.support))[::-1]:
+    stands_out = _peaks(support) & (support >= max(p.promote.support, float(np.median(support)) + p.promote.above_median))
+    best = np.argsort(np.where(stands_out, -support, 0.0), kind="stable")[: p.promote.radii]
+    for index in sorted(best[stands_out[best]], reverse=True):
         start = Circle(found.circle.centre_m, found.circle.normal, float(radii[index]))
         edge = measured(views, rig, start, p.promote.windows_px, p.measure)
         if edge is not None and edge.is_within(p.promote.share, p.promote.rms_px) and _is_about(edge.circle, start, p):
