@@ -98,7 +98,7 @@ class Constellation:
             self.main = int(np.argmin(out))
         elif sure.any():
             nearest = int(np.argmin(np.where(sure, out, np.inf)))
-            unsure = self.landmarks[self.main].missed > self.landmarks[self.main].count
+            unsure = self.landmarks[self.main].missed > p.doubtful * self.landmarks[self.main].count
             if out[nearest] < out[self.main] or unsure:
                 self.main = nearest
 

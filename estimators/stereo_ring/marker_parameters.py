@@ -43,6 +43,9 @@ class MarkerParameters(Spec):
     dip_dn: Positive = 1.0  # … and by so much
     clear_share: Fraction = 0.3  # of an edge without narrow shadow, from which the rest is left out
     least_points: Count = 8  # edge points that a disc needs
+    whole_share: Fraction = 0.75  # of a disc's edge, from which the displacement of its own shadow can be told
+    least_offset_px: Positive = 0.4  # displacements of a disc's own shadow that are told from none …
+    most_offset_px: Positive = 4.0  # … up to those that are none
     side_stations: Annotated[int, Field(ge=6)] = 24  # places on each side (on a quarter of a disc)
     corner_share: Fraction = 0.14  # of a side left out at each end
     windows_px: Windows = (4.0, 3.0, 2.0)  # half-widths of the search about a region's border
@@ -80,7 +83,8 @@ class ConstellationParameters(Spec):
     most_count: Count = 300  # sightings after which the running mean forgets as fast as it learns
     drop_after: Count = 4  # a marker is forgotten when it was missed this often more than it was seen
     settle_frames: Count = 10  # frames in which a marker nearer to the axis may still become the main one …
-    settle_count: Count = 3  # … once it has been seen this often
+    settle_count: Count = 3  # … once it has been seen this often …
+    doubtful: Positive = 3.0  # … and is the main one if that was then missed this many times as often as it was seen
     sweep_every: Count = 25  # frames after which new markers are looked for
     apart_m: Positive = 0.03  # a new marker has to be this far from every remembered one
     fallback_height_m: Positive = 0.2  # smallest height of the triangle that may carry the frame without the ring

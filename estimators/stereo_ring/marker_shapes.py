@@ -15,7 +15,7 @@ from estimators.stereo_ring.marker_sweep import Blob
 from estimators.stereo_ring.rig import homogeneous
 from scenes.arrays import Floats
 
-_ON_DISC = 32  # points on the border of a disc
+_ON_DISC = 64  # points on the border of a disc
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +48,7 @@ def shapes_of(blobs: list[Blob], ring: Circle, projection: Floats, p: MarkerPara
 
 
 def _regular_shape(hull: Floats, radius_m: float, p: MarkerParameters) -> Floats | None:
-    """The square (4, 2) or the disc (32, 2) that a convex hull (n, 2) in the plane is close to, or None."""
+    """The square (4, 2) or the disc (64, 2) that a convex hull (n, 2) in the plane is close to, or None."""
     points = (hull / radius_m).astype(np.float32)  # OpenCV thinks in single precision
     if len(points) < 4:
         return None

@@ -50,10 +50,10 @@ def marker_edges(
 ) -> tuple[Peaks, Bools]:
     """The first edge outwards at stations (..., n, 2), and at which (..., n) no narrow shadow lies on it."""
     gradient, distance = profile_gradients(view.smooth, stations, normals, window_px + p.strip_px)
-    near = np.abs(distance) <= window_px + STEP_PX
-    peaks = peaks_in(gradient[..., near], distance[near], inside.least_gradient, first=True)
+    peaks = peaks_in(gradient, distance, window_px, inside.least_gradient, first=True)
     beyond = distance - peaks.distance_px[..., None]
-    other_side = np.where(beyond > STEP_PX, -np.sign(peaks.gradient)[..., None] * gradient, 0.0).max(axis=-1)
+    beside = (beyond > STEP_PX) & (beyond <= p.strip_px)
+    other_side = np.where(beside, -np.sign(peaks.gradient)[..., None] * gradient, 0.0).max(axis=-1)
     before = peaks.distance_px[..., None] - np.arange(0.25, p.dip_px, STEP_PX)
     dark = view.raw.at(stations[..., None, :] + before[..., None] * normals[..., None, :]).min(axis=-1)
     dipped = dark < inside.level_dn - max(p.dip_sigmas * inside.noise_dn, p.dip_dn)

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimators.stereo_ring.disc_and_shadow import lit_part
+from estimators.stereo_ring.edge_peaks import Peaks
 from estimators.stereo_ring.marker_parameters import MarkerParameters
-from estimators.stereo_ring.marker_view import MarkerView, inside_of, marker_edges
-from estimators.stereo_ring.robust import tukey_weights
+from estimators.stereo_ring.marker_view import Inside, MarkerView, inside_of, marker_edges
 from estimators.stereo_ring.side_lines import corners_of, crossing, side_lines, side_stations, signed_area
-from scenes.arrays import Bools, Floats
-
-_FIT_STEPS = 5
+from scenes.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,11 +82,10 @@ def disc_outline(view: MarkerView, border_px: Floats, windows_px: Sequence[float
         outward = _outward(border)
         peaks, clear = marker_edges(view, border, outward, window, inside, p)
         used = clear if clear.mean() >= p.clear_share else peaks.found
-        step, residual = _shift_and_size(border, outward, peaks.distance_px, used, p)
-        if step is None:
+        found = lit_part(border, outward, peaks.distance_px, used, _darkness(view, border, outward, peaks, inside), p)
+        if found is None:
             return None
-        middle = border.mean(axis=0)
-        border = middle + step[:2] + (1 + step[2]) * (border - middle)
+        border, residual = found
     near = used & (np.abs(residual) <= p.near_px)
     if near.mean() < p.side_share:
         return None
@@ -96,26 +94,14 @@ def disc_outline(view: MarkerView, border_px: Floats, windows_px: Sequence[float
     return Outline(None, border, border.mean(axis=0), bright, share, float(np.sqrt(np.mean(residual[near] ** 2))))
 
 
+def _darkness(view: MarkerView, border: Floats, outward: Floats, peaks: Peaks, inside: Inside) -> Floats:
+    """How much darker than the marker (n,) the picture is a pixel inside the edge, DN."""
+    just_inside = border + (peaks.distance_px - 1.0)[:, None] * outward
+    return inside.level_dn - np.asarray(view.raw.at(just_inside[None])[0], dtype=np.float64)
+
+
 def _outward(border: Floats) -> Floats:
     """Unit normals (n, 2) of a closed convex curve through points (n, 2)."""
     along = np.roll(border, -1, axis=0) - np.roll(border, 1, axis=0)
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
     return np.asarray(normal * np.sign(np.sum(normal * (border - border.mean(axis=0)), axis=1, keepdims=True)))
-
-
-def _shift_and_size(
-    border: Floats, outward: Floats, distance: Floats, used: Bools, p: MarkerParameters
-) -> tuple[Floats | None, Floats]:
-    """Robust (du, dv, relative growth) that bring a curve's points (n, 2) to their measured distances (n,); residuals (n,)."""
-    arm = np.sum(outward * (border - border.mean(axis=0)), axis=1)
-    rows = np.column_stack([outward, arm])
-    weight, step, residual = used.astype(np.float64), np.zeros(3), distance
-    if used.sum() < p.least_points:
-        return None, residual
-    for number in range(_FIT_STEPS):
-        if number:
-            weight = tukey_weights(residual, used, p.least_sigma_px)
-        normal = rows.T @ (weight[:, None] * rows)
-        step = np.linalg.lstsq(normal, rows.T @ (weight * distance), rcond=1e-6)[0]
-        residual = distance - rows @ step
-    return np.asarray(step), residual

@@ -12,7 +12,7 @@ import numpy as np
 from estimators.stereo_ring.marker_parameters import ConstellationParameters
 from scenes.arrays import Bools, Floats
 
-_STEPS = 4
+_STEPS = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +51,7 @@ def solved_turn(observed: Floats, known: Floats, sigma_m: Floats, ring_sigma_m: 
     """δ and t by least squares from pairs (n, 2), robust; ``sigma_m`` (n,) of each pair, ``ring_sigma_m`` of the centre."""
     used = np.ones(len(observed), dtype=bool)
     angle, shift = _first_angle(observed, known), np.zeros(2)
-    for _ in range(_STEPS):
+    for number in range(_STEPS):
         if not used.any():
             return None
         c, s = np.cos(angle), np.sin(angle)
@@ -68,7 +68,8 @@ def solved_turn(observed: Floats, known: Floats, sigma_m: Floats, ring_sigma_m: 
         step = np.linalg.solve(normal, right)
         angle, shift = angle + float(step[0]), shift + step[1:]
         left = np.linalg.norm(residual - step[0] * across - step[1:], axis=1)
-        used = left <= np.maximum(p.gate_sigmas * np.hypot(sigma_m, ring_sigma_m), p.gate_m)
+        gate = np.maximum(p.gate_sigmas * np.hypot(sigma_m, ring_sigma_m), p.gate_m)
+        used = left <= np.maximum(gate, 1.5 * np.median(left) if number < _STEPS - 2 else 0.0)  # at first the far ones pull, too
     if not used.any():
         return None
     return Turn(angle, float(np.sqrt(np.linalg.inv(normal)[0, 0])), shift, used)
