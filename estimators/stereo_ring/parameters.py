@@ -83,8 +83,8 @@ class PromoteParameters(Spec):
     windows_px: Windows = (3.0, 2.0, 1.5)
     share: Fraction = 0.42  # the edge is real if this share of stations supports it in both views …
     rms_px: Positive = 0.7  # … scattering by no more than this
-    shift_share: Positive = 0.02  # and if its centre and radius are, in radii, this near where they should be
-    tilt: Positive = 0.02  # rad between the two normals
+    shift_share: Positive = 0.03  # and if its centre and radius are, in radii, this near where they should be
+    tilt: Positive = 0.05  # rad between the two normals
     inner_from_share: Positive = 0.75  # the face's inner edge is looked for from this share of the radius …
     inner_to_share: Positive = 0.985  # … to this
     inner_share: Fraction = 0.5  # and is real if this share of stations supports it in both views
@@ -108,6 +108,7 @@ class TrackParameters(Spec):
     promote_every: Count = 12  # … and then after every so many
     longest_gap_s: Positive = 5.0  # frames farther apart give no rate
     coast_frames: Count = 5  # frames over which the turn may be predicted without a marker
+    unmarked_frames: Count = 12  # frames without a marker after which a ring is taken for another circle, and left
     coast_sigma_deg: Positive = 0.5  # growth of the turn's sigma with each of them
     fallback_frames: Count = 40  # frames over which markers alone may carry the ring's frame
     forget_frames: Count = 25  # frames without the ring after which another radius may be believed

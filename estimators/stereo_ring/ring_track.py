@@ -20,12 +20,12 @@ from scenes.arrays import Floats
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RingSeen:
-    """``measured``: the ring, or None with the ``reason``; ``believed``: whether it may be answered; the smoothed ``views``."""
+    """``measured``: the ring, or None with the ``reason``; ``believed``: it may be answered; ``is_new``: acquired, not tracked."""
 
     measured: Measured | None
     believed: bool
-    views: Views
     reason: str = ""
+    is_new: bool = False
 
 
 class RingTrack:
@@ -42,23 +42,26 @@ class RingTrack:
 
     def step(self, pictures: Pictures, expected: Circle | None, watch: Stopwatch) -> RingSeen:
         """One frame; ``expected``: the circle where its motion so far would take it."""
-        seen = self._tracked(pictures, expected, watch) if self._last is not None else None
+        seen = None if self._last is None else self._tracked(pictures, self._last, expected, watch)
         if seen is None or seen.measured is None:
             seen = self._acquired(pictures, seen, watch)
         if seen.measured is None:
             self.memory = self.memory.missed(self._parameters.track)
             self._lost += 1
             if self._lost >= self._parameters.track.forget_frames:
-                self.memory, self._last = Confirmation(), None
+                self.forget()
             return seen
         self._lost = 0
         self._last = LastSeen((pictures[0].copy(), pictures[1].copy()), seen.measured)
         self.memory = self.memory.seen(seen.measured, self._parameters.track)
-        return RingSeen(seen.measured, self.memory.believed, seen.views)
+        return RingSeen(seen.measured, self.memory.believed, is_new=seen.is_new)
 
-    def _tracked(self, pictures: Pictures, expected: Circle | None, watch: Stopwatch) -> RingSeen:
-        assert self._last is not None
-        p, last = self._parameters, self._last
+    def forget(self) -> None:
+        """The next ring may be anywhere and of any size."""
+        self.memory, self._last, self._lost = Confirmation(), None, 0
+
+    def _tracked(self, pictures: Pictures, last: LastSeen, expected: Circle | None, watch: Stopwatch) -> RingSeen:
+        p = self._parameters
         views = self._views_about(pictures, last.measured)
         flow = flow_circle(last, pictures, self._rig, p)
         watch.ends("track")
@@ -66,13 +69,13 @@ class RingTrack:
         found = tracked_ring(views, self._rig, starts, self._inner_share, self.memory, p)
         watch.ends("refine")
         if isinstance(found, str):
-            return RingSeen(None, False, views, found)
+            return RingSeen(None, False, found)
         self._frames += 1
         if self._frames <= p.track.promote_frames or self._frames % p.track.promote_every == 0:
             found = self._promoted(views, found)
             self._inner_share = found.inner_share or inner_share_of(views, self._rig, found, p)
             watch.ends("promote")
-        return RingSeen(found, False, views)
+        return RingSeen(found, False)
 
     def _promoted(self, views: Views, found: Measured) -> Measured:
         """The larger edge, if there is one: the memory was of the inner one, and begins anew."""
@@ -94,14 +97,14 @@ class RingTrack:
             reason = why_not(found.best, self.memory if self.memory.believed else Confirmation(), p)
         if found.best is None or reason:
             before = f"{failed.reason}; " if failed is not None else ""
-            return RingSeen(None, False, views, before + reason)
+            return RingSeen(None, False, before + reason)
         if not self.memory.agrees(found.best.circle.radius_m, p.track):
             self.memory = Confirmation()
         self._frames = 0
         self._inner_share = inner_share_of(views, self._rig, found.best, p)
         again = tracked_ring(views, self._rig, [found.best.circle], self._inner_share, Confirmation(), p)
         watch.ends("acquire")
-        return RingSeen(found.best if isinstance(again, str) else again, False, views)
+        return RingSeen(found.best if isinstance(again, str) else again, False, is_new=True)
 
     def _offered(self, picture: np.ndarray) -> Floats:
         rows = [one.ellipse.parameters for one in detect_ellipses(picture, self._parameters.detector)]

@@ -37,6 +37,7 @@ class TrackedRing:
         self._axis = AxisTrack(self._setting.rig, self.parameters)
         self._motion: Motion | None = None
         self._coasted = 0  # frames in a row whose turn was predicted
+        self._is_marked = False  # whether a marker was seen since the ring was acquired
         self._carried = 0  # frames in a row that markers alone carried
 
     def step(self, observation: Observation) -> Estimate:
@@ -62,6 +63,7 @@ class TrackedRing:
         watch: Stopwatch,
     ) -> Estimate:
         self._carried = 0
+        self._is_marked = self._is_marked and not seen.is_new
         extras = _ring_extras(ring)
         if not seen.believed:
             reason = f"the ring is there, but has to be seen in {self.parameters.track.confirm} frames before it is believed"
@@ -79,13 +81,16 @@ class TrackedRing:
         """The answer with X from the markers, or for a few frames from the rate of before."""
         p = self.parameters.track
         if fix is not None:
-            self._coasted = 0
+            self._coasted, self._is_marked = 0, True
             self._motion = followed(self._motion, fix.left_from_ring, time_s, p.longest_gap_s)
             extras = extras | {"markers": float(fix.markers), "sigma_turn_deg": float(np.rad2deg(fix.sigma_rad))}
             return self._answer(fix.left_from_ring, extras | {"from_ring": 1.0})
         extras = extras | {"markers": 0.0}
         self._coasted += 1
-        if expected is None or not sure or self._coasted > p.coast_frames:
+        if self._coasted >= p.unmarked_frames:
+            self._ring.forget()  # what has no markers about it for so long is another circle
+            self._coasted = 0
+        if expected is None or not sure or not self._is_marked or self._coasted > p.coast_frames:
             return self._failed(Outcome.NO_FEATURES, "no marker is seen in both pictures, so the turn is not known", extras)
         extras = extras | {"sigma_turn_deg": p.coast_sigma_deg * self._coasted, "from_ring": 1.0}
         return self._answer(expected, extras)
