@@ -16,7 +16,8 @@ class MarkerParameters(Spec):
     # the sweep over grey levels
     reach: Positive = 1.75  # half-width of the part that is looked at, in the ring's major semi-axes
     sweep_semi_axis_px: Positive = 100.0  # the part is shrunk until the ring's major semi-axis is no larger
-    levels: Annotated[int, Field(ge=3)] = 14  # grey levels, a constant ratio apart …
+    levels: Annotated[int, Field(ge=3)] = 16  # grey levels, a constant ratio apart …
+    first_level_dn: Positive = 0.9  # … the first so much above the darkest …
     low_percent: Annotated[float, Field(ge=0, le=100)] = 1.0  # … between these percentiles of the part
     high_percent: Annotated[float, Field(ge=0, le=100)] = 99.0
     least_area: Positive = 0.006  # area over the product of the ring's semi-axes
@@ -50,13 +51,14 @@ class MarkerParameters(Spec):
     corner_share: Fraction = 0.14  # of a side left out at each end
     windows_px: Windows = (4.0, 3.0, 2.0)  # half-widths of the search about a region's border
     track_windows_px: Windows = (3.0, 2.0)  # about a remembered marker's predicted border
-    least_gradient_dn: Positive = 1.0  # DN a pixel of the smoothed picture: what is flatter is no edge …
-    least_gradient_share: Positive = 0.04  # … nor is what is flatter than this share of the marker's own brightness
+    least_gradient_dn: Positive = 0.5  # DN a pixel of the smoothed picture: what is flatter is no edge …
+    least_gradient_share: Positive = 0.03  # … nor is what is flatter than this share of the marker's own brightness …
+    least_gradient_noise: Positive = 1.2  # … or than this many times a pixel's noise (four sigmas of the gradient)
     least_sigma_px: Positive = 0.05  # the robust scale is never taken to be less
     near_px: Positive = 0.7  # an edge supports the outline if it is this near
     side_share: Fraction = 0.35  # stations of each side that have to support it
     share: Fraction = 0.6  # and of all
-    rms_px: Positive = 0.4  # scatter of the edge about the outline
+    rms_px: Positive = 0.5  # scatter of the edge about the outline
 
     # in space, in the ring's radii
     epipolar_px: Positive = 2.0

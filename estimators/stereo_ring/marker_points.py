@@ -13,7 +13,7 @@ from estimators.stereo_ring.outlines import Outline, disc_outline, square_outlin
 from estimators.stereo_ring.rig import Rig, epipolar_distance_px, homogeneous, triangulate
 from scenes.arrays import Bools, Floats
 
-_SAME_PX = 2.0  # outlines whose centres are nearer than this are one
+_SAME_SHARE = 0.3  # of the root of its area: outlines whose centres are nearer than this are one marker's
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,8 +38,12 @@ def outlines_of(view: MarkerView, shapes: list[Shape], p: MarkerParameters) -> l
     return [
         one
         for number, one in enumerate(found)
-        if not any(np.linalg.norm(one.centre_px - other.centre_px) < _SAME_PX for other in found[:number])
+        if not any(_is_at(one, other) for other in found[:number])
     ]
+
+
+def _is_at(one: Outline, better: Outline) -> bool:
+    return bool(np.linalg.norm(one.centre_px - better.centre_px) < _SAME_SHARE * np.sqrt(better.area_px))
 
 
 def outline_near(view: MarkerView, shape: Shape, windows_px: Sequence[float], p: MarkerParameters) -> Outline | None:

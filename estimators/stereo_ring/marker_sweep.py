@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from estimators.stereo_ring.conics import Ellipse
 from estimators.stereo_ring.marker_parameters import MarkerParameters
+from estimators.stereo_ring.pictures import Float32s
 from scenes.arrays import Bools, Floats
 
 Picture = NDArray[np.uint8]
@@ -44,13 +45,15 @@ def swept(picture: Picture, ring: Ellipse, p: MarkerParameters) -> list[Blob]:
     part = picture[low[1] : max(int(ring.y_px + reach), 0), low[0] : max(int(ring.x_px + reach), 0)]
     if min(part.shape) < 8:
         return []
-    small = part if shrink == 1.0 else cv2.resize(part, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
-    small = np.asarray(cv2.GaussianBlur(small, (3, 3), 0.7), dtype=np.uint8)
+    small = part.astype(np.float32)  # between two grey values there is room for levels, once neighbours are averaged
+    if shrink < 1.0:
+        small = np.asarray(cv2.resize(small, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA), dtype=np.float32)
+    small = np.asarray(cv2.GaussianBlur(small, (3, 3), 0.7), dtype=np.float32)
     regions = _regions(small, ring.a_px * ring.b_px * shrink**2, p)
     return [_blob(regions, row, count, low, shrink) for row, count in _stable(regions.rows, p)]
 
 
-def _regions(small: Picture, ring_area: float, p: MarkerParameters) -> _Regions:
+def _regions(small: Float32s, ring_area: float, p: MarkerParameters) -> _Regions:
     """Regions of marker-like size, fill and aspect; ``ring_area``: product of the ring's semi-axes, px² of this picture."""
     rows: list[Floats] = []
     labels: list[NDArray[np.int32]] = []
@@ -73,7 +76,7 @@ def _marker_like(mask: Picture, ring_area: float, p: MarkerParameters) -> tuple[
     return np.asarray(label, dtype=np.int32), found
 
 
-def _band(small: Picture, black: float, level: float, p: MarkerParameters) -> Bools:
+def _band(small: Float32s, black: float, level: float, p: MarkerParameters) -> Bools:
     """Between a level and the level a ratio below it, without hairs: a marker that is darker than its ground, yet brighter than
     the shadow that touches it."""
     low = black + (level - black) / p.band_ratio
@@ -81,12 +84,12 @@ def _band(small: Picture, black: float, level: float, p: MarkerParameters) -> Bo
     return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))).view(np.bool_)
 
 
-def grey_levels(picture: Picture, p: MarkerParameters) -> NDArray[np.int_]:
+def grey_levels(picture: Float32s, p: MarkerParameters) -> Floats:
     """The levels of the sweep: a constant ratio apart over the picture's darkest, since shading multiplies."""
     dark, bright = np.percentile(picture, [p.low_percent, p.high_percent])
-    if bright - dark < 2:
-        return np.empty(0, dtype=int)
-    return np.asarray(np.unique(np.rint(dark + np.geomspace(1.5, bright - dark, p.levels + 1)[:-1]).astype(int)))
+    if bright - dark < 2 * p.first_level_dn:
+        return np.empty(0)
+    return np.asarray(dark + np.geomspace(p.first_level_dn, bright - dark, p.levels + 1)[:-1])
 
 
 def _is_marker_like(boxes: Floats, ring_area: float, shape: tuple[int, ...], p: MarkerParameters) -> Bools:

@@ -42,7 +42,7 @@ def inside_of(view: MarkerView, border_px: Floats, p: MarkerParameters) -> Insid
     values = view.raw.at(np.concatenate([around, (around + np.roll(around, 1, axis=0)) / 2])[None])[0].astype(np.float64)
     level = float(np.median(values))
     noise = MAD_TO_SIGMA * float(np.median(np.abs(values - level)))
-    return Inside(level, noise, max(p.least_gradient_dn, p.least_gradient_share * level))
+    return Inside(level, noise, max(p.least_gradient_dn, p.least_gradient_share * level, p.least_gradient_noise * noise))
 
 
 def marker_edges(

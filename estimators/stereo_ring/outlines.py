@@ -37,7 +37,7 @@ class Outline:
     @property
     def quality(self) -> float:
         """Larger for the shape that explains the edge better."""
-        return self.share - 0.5 * self.rms_px
+        return self.share - self.rms_px
 
     @property
     def area_px(self) -> float:
