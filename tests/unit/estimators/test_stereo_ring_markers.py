@@ -96,13 +96,13 @@ def test_a_plain_picture_has_no_outline():
     assert disc_outline(view_of(plain), round_about(np.array([40.0, 40.0]), 9.0), MARKERS.windows_px, MARKERS) is None
 
 
-def test_levels_are_ratios_and_a_blank_picture_has_none():
-    ramp = np.tile(np.linspace(4, 250, 64), (64, 1)).astype(np.uint8)
+def test_levels_are_ratios_over_the_darkest_and_a_blank_picture_has_none():
+    ramp = np.tile(np.linspace(4, 250, 64), (64, 1)).astype(np.float32)
     levels = grey_levels(ramp, MARKERS)
-    assert len(levels) >= MARKERS.levels - 2
-    steps = (levels[4:] - 6) / (levels[3:-1] - 6)
-    assert steps.max() / steps.min() < 1.4
-    assert grey_levels(np.full((64, 64), 9, np.uint8), MARKERS).size == 0
+    above = levels - np.percentile(ramp, MARKERS.low_percent)
+    assert above[0] == pytest.approx(MARKERS.first_level_dn)
+    assert above[1:] / above[:-1] == pytest.approx(above[1] / above[0])
+    assert grey_levels(np.full((64, 64), 9, np.float32), MARKERS).size == 0
 
 
 @pytest.mark.parametrize("exposure", [1.0, 0.15])
