@@ -19,10 +19,10 @@ class Motion:
     velocity_m_s: Floats | None = None
     rate_rad_s: Floats | None = None
 
-    def at(self, time_s: float) -> RigidTransform:
-        """left_from_ring if nothing changes."""
+    def at(self, time_s: float, longest_s: float) -> RigidTransform:
+        """left_from_ring if nothing changes; after more than ``longest_s`` nothing but its last place is known."""
         dt = time_s - self.time_s
-        if self.velocity_m_s is None or self.rate_rad_s is None or dt <= 0:
+        if self.velocity_m_s is None or self.rate_rad_s is None or not 0 < dt <= longest_s:
             return self.left_from_ring
         rotation = self.left_from_ring.rotation * Rotation.from_rotvec(self.rate_rad_s * dt)
         return RigidTransform.from_components(self.left_from_ring.translation + self.velocity_m_s * dt, rotation)

@@ -36,6 +36,7 @@ class TrackedRing:
         self._ring = RingTrack(self._setting.rig, self.parameters)
         self._axis = AxisTrack(self._setting.rig, self.parameters)
         self._motion: Motion | None = None
+        self._radius_m = 0.0  # of the ring that was last answered
         self._coasted = 0  # frames in a row whose turn was predicted
         self._is_marked = False  # whether a marker was seen since the ring was acquired
         self._carried = 0  # frames in a row that markers alone carried
@@ -46,8 +47,8 @@ class TrackedRing:
         if isinstance(pictures, str):
             return self._failed(Outcome.SKIPPED, pictures, {})
         watch = Stopwatch()
-        expected = None if self._motion is None else self._motion.at(observation.time_s)
-        circle = None if expected is None else circle_at(expected, self._ring.memory.radius_m)
+        expected = None if self._motion is None else self._motion.at(observation.time_s, self.parameters.track.longest_gap_s)
+        circle = None if expected is None else circle_at(expected, self._radius_m)
         seen = self._ring.step(pictures, circle, watch)
         if seen.measured is None:
             return self._without_ring(pictures, seen.reason, expected, observation.time_s, watch)
@@ -64,7 +65,7 @@ class TrackedRing:
     ) -> Estimate:
         self._carried = 0
         self._is_marked = self._is_marked and not seen.is_new
-        extras = _ring_extras(ring)
+        extras = _ring_extras(ring) | {"acquired": float(seen.is_new)}
         if not seen.believed:
             reason = f"the ring is there, but has to be seen in {self.parameters.track.confirm} frames before it is believed"
             return self._failed(Outcome.NOT_CONVERGED, reason, extras | watch.extras)
@@ -82,6 +83,7 @@ class TrackedRing:
         p = self.parameters.track
         if fix is not None:
             self._coasted, self._is_marked = 0, True
+            self._radius_m = self._ring.memory.radius_m
             self._motion = followed(self._motion, fix.left_from_ring, time_s, p.longest_gap_s)
             extras = extras | {"markers": float(fix.markers), "sigma_turn_deg": float(np.rad2deg(fix.sigma_rad))}
             return self._answer(fix.left_from_ring, extras | {"from_ring": 1.0})
@@ -112,7 +114,7 @@ class TrackedRing:
         return self._failed(Outcome.NO_FEATURES, reason, watch.extras)
 
     def _carried_by_markers(self, pictures: Pictures, expected: RigidTransform) -> tuple[RigidTransform, int] | str:
-        ring = circle_at(expected, max(self._ring.memory.radius_m, 1e-3))
+        ring = circle_at(expected, self._radius_m)
         ellipses = seen_ellipses(ring, self._setting.rig)
         if ellipses is None:
             return "the ring would lie outside what the cameras see"
