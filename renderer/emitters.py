@@ -22,6 +22,13 @@ class Kind:
     patches: int = 0
     is_round: bool = False
 
+    def share(self, index: int, samples: int) -> float:
+        """Which share of ``samples`` patch ``index`` gets when they take turns; where there are too few for that, an equal one."""
+        if samples < self.patches:
+            return 1 / self.patches
+        first, end = (-(-one * samples // self.patches) for one in (index, index + 1))
+        return (end - first) / samples
+
     @classmethod
     def of(cls, emitter: Emitter) -> "Kind":
         """The kind of a light of one instant."""
@@ -80,25 +87,31 @@ def _patch(patches: Patches, index: int) -> dict[str, Any]:
     }
 
 
-def sample_light(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, u: Any) -> Sample:
+def sample_light(
+    mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, u: Any, turn: tuple[Any, int] | None = None
+) -> Sample:
     """A direction from ``origin`` to the light from two uniform numbers ``u``: uniform in solid angle or area.
 
-    With ``tau`` in ``light`` the light stands where it does at that relative instant of the exposure.
+    ``turn`` = (number of the sample, how many there are): patches then take turns, so that how often each is looked at is no
+    matter of chance; without it one is drawn. With ``tau`` in ``light`` it stands where it does at that instant of the exposure.
     """
     if not kind.patches:
         found = _sample_disk(mi, dr, light, u)
         return replace(found, direction=_now(mi, dr, light, found.direction))
-    found = _sample_patches(mi, dr, kind, light, _at_middle(mi, dr, light, origin), u)
+    found = _sample_patches(mi, dr, kind, light, _at_middle(mi, dr, light, origin), u, turn)
     if "tau" not in light:
         return found
     point = mi.Point3f(_now(mi, dr, light, found.point + light["drift"] * light["tau"]))
     return replace(found, direction=_now(mi, dr, light, found.direction), point=point)
 
 
-def light_along(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, direction: Any) -> tuple[Any, Any, Any]:
+def light_along(
+    mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, direction: Any, samples: int
+) -> tuple[Any, Any, Any]:
     """What a ray from ``origin`` along the unit vector ``direction`` meets if nothing stands in between.
 
-    Radiance, the density with which ``sample_light`` finds it (per steradian; both 0 beside the light), and the distance.
+    Radiance, the density with which ``sample_light``, in turns of ``samples``, finds it (per steradian; both 0 beside the
+    light), and the distance.
     """
     direction = turned(mi, dr, direction, -light["turn"] * light["tau"]) if "tau" in light else direction
     if not kind.patches:
@@ -110,7 +123,7 @@ def light_along(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any
     for index in range(kind.patches):
         met, cosine, away = _meets(mi, dr, kind, light[str(index)], origin, direction)
         radiance = dr.select(met, light["radiance"] * _beam(dr, light, cosine), radiance)
-        density = dr.select(met, away * away / (cosine * light[str(index)]["area"] * kind.patches), density)
+        density = dr.select(met, kind.share(index, samples) * away * away / (cosine * light[str(index)]["area"]), density)
         distance = dr.select(met, away, distance)
     return radiance, density, distance
 
@@ -157,24 +170,30 @@ def disk_density(dr: Any, disk: dict[str, Any]) -> Any:
     return 1 / (2 * dr.pi * disk["versine"])
 
 
-def _sample_patches(mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, u: Any) -> Sample:
-    """One of the patches, then a point uniform on it: density = d² / (n A cos θ) per steradian (Veach 1997, eq. 8.2)."""
-    chosen = mi.UInt32(dr.minimum(u.x * kind.patches, kind.patches - 0.5))
-    place = _on_patch(mi, dr, kind, mi.Point2f(u.x * kind.patches - mi.Float(chosen), u.y))
-    point, normal, area = mi.Point3f(0), mi.Vector3f(0), mi.Float(0)
+def _sample_patches(
+    mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, u: Any, turn: tuple[Any, int] | None
+) -> Sample:
+    """One of the patches, then a point uniform on it: density = share · d² / (A cos θ) per steradian (Veach 1997, eq. 8.2)."""
+    samples = turn[1] if turn is not None else 0
+    if turn is not None and samples >= kind.patches:
+        chosen, across = turn[0] * kind.patches // samples, u.x
+    else:
+        chosen = mi.UInt32(dr.minimum(u.x * kind.patches, kind.patches - 0.5))
+        across = u.x * kind.patches - mi.Float(chosen)
+    place = _on_patch(mi, dr, kind, mi.Point2f(across, u.y))
+    point, normal, area = mi.Point3f(0), mi.Vector3f(0), mi.Float(0)  # area: over the patch's share of the samples
     for index in range(kind.patches):
         patch, here = light[str(index)], chosen == index
         point = dr.select(here, mi.Point3f(patch["centre"] + patch["u"] * place.x + patch["v"] * place.y), point)
         normal = dr.select(here, mi.Vector3f(patch["normal"]), normal)
-        area = dr.select(here, mi.Float(patch["area"]), area)
+        area = dr.select(here, mi.Float(patch["area"] / kind.share(index, samples)), area)
     towards = mi.Vector3f(point - origin)
     square = dr.maximum(dr.squared_norm(towards), 1e-12)
     direction = towards * dr.rsqrt(square)
     cosine = -dr.dot(direction, normal)
     lit = dr.maximum(cosine, 0.0)
-    weight = light["radiance"] * _beam(dr, light, cosine) * lit * area * kind.patches / square
-    density = square / (dr.maximum(lit, 1e-6) * area * kind.patches)
-    return Sample(direction, weight, density, point)
+    weight = light["radiance"] * _beam(dr, light, cosine) * lit * area / square
+    return Sample(direction, weight, square / (dr.maximum(lit, 1e-6) * area), point)
 
 
 def _on_patch(mi: Any, dr: Any, kind: Kind, u: Any) -> Any:

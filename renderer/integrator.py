@@ -20,30 +20,40 @@ _SHADOW_EPSILON = 1e-3  # of the way: a shadow ray ends before the light that it
 
 
 def direct_layers(
-    mi: Any, scene: Any, ray: Any, light: dict[str, Any], rng: Any, *, kind: Kind, with_glints: bool
+    mi: Any,
+    scene: Any,
+    ray: Any,
+    light: dict[str, Any],
+    on_light: Any,
+    in_lobe: Any,
+    turn: tuple[Any, int],
+    narrow: Any,
+    *,
+    kind: Kind,
 ) -> dict[str, Any]:
     """Direct light of each ray: ``diffuse`` and ``specular`` radiance, and how much of the light its point can see.
 
     ``hit``, ``facing`` (the surface is turned to the sampled point of the light), ``open`` (facing and nothing in between) are
-    0 or 1. ``with_glints`` adds sampling by the surface's own lobe, which lobes need that are narrow against the light.
+    0 or 1. ``on_light``: two uniform numbers that choose the point of the light. ``in_lobe``: two that choose a direction of the
+    surface's own lobe; None where no part of the target needs it. ``narrow``: which parts do, see ``is_narrow``. ``turn``: see
+    ``sample_light``.
     """
     si = scene.ray_intersect(ray)
     hit = si.is_valid()
-    u = mi.Point2f(rng.next_float32(), rng.next_float32())
-    in_lobe = (mi.Point2f(rng.next_float32(), rng.next_float32()), rng.next_float32()) if with_glints else None
     if _is_off(hit):
         return dict.fromkeys(("diffuse", "specular", "hit", "facing", "open"), 0.0)
-    to = sample_light(mi, dr, kind, light, si.p, u)
+    to = sample_light(mi, dr, kind, light, si.p, on_light, turn)
     bsdf = si.bsdf(ray)
     facing = hit & (dr.dot(si.n, to.direction) > 0) & (dr.dot(si.n, ray.d) < 0)
     is_open = facing & (scene.ray_test(_towards(si, to), facing) ^ True)
     wo = si.to_local(to.direction)
     diffuse, specular = _lobes(mi, bsdf, si, wo, is_open)
-    if with_glints:
-        specular = specular * _power(to.density, bsdf.pdf(_mirror_like(mi), si, wo, is_open))
+    if in_lobe is not None:
+        lobes = hit & is_narrow(mi, si, narrow)
+        specular = specular * dr.select(lobes, _power(to.density, bsdf.pdf(_mirror_like(mi), si, wo, is_open & lobes)), 1.0)
     layers = {"diffuse": diffuse * to.weight, "specular": specular * to.weight}
-    if in_lobe:
-        layers["specular"] += _glint(mi, scene, bsdf, si, light, in_lobe, hit, kind)
+    if in_lobe is not None:
+        layers["specular"] += _glint(mi, scene, bsdf, si, light, in_lobe, lobes, kind, turn[1])
     return layers | {"hit": _number(mi, hit), "facing": _number(mi, facing), "open": _number(mi, is_open)}
 
 
@@ -84,15 +94,21 @@ def _lit(mi: Any, scene: Any, si: Any, ray: Any, light: dict[str, Any], rng: Any
     return dr.select(is_open, _first(value) * to.weight, 0.0)
 
 
+def is_narrow(mi: Any, si: Any, narrow: Any) -> Any:
+    """Whether the surface's lobe is narrow against the light: ``narrow`` (0 or 1 by the shape's number, None: all are)."""
+    if narrow is None:
+        return True
+    return dr.gather(mi.UInt32, narrow, dr.reinterpret_array(mi.UInt32, si.shape), si.is_valid()) == 1
+
+
 def _glint(
-    mi: Any, scene: Any, bsdf: Any, si: Any, light: dict[str, Any], in_lobe: tuple[Any, Any], hit: Any, kind: Kind
+    mi: Any, scene: Any, bsdf: Any, si: Any, light: dict[str, Any], in_lobe: Any, active: Any, kind: Kind, samples: int
 ) -> Any:
     """Specular direct light found by sampling the mirror-like lobe: the other half of the power heuristic."""
-    u, which_lobe = in_lobe
-    sample, value = bsdf.sample(_mirror_like(mi), si, which_lobe, u, hit)
+    sample, value = bsdf.sample(_mirror_like(mi), si, 0.5, in_lobe, active)  # there is but one lobe to choose from
     direction = si.to_world(sample.wo)
-    radiance, density, distance = light_along(mi, dr, kind, light, si.p, direction)
-    lucky = hit & (density > 0) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
+    radiance, density, distance = light_along(mi, dr, kind, light, si.p, direction, samples)
+    lucky = active & (density > 0) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
     if _is_off(lucky):
         return 0.0
     ray = si.spawn_ray(direction)

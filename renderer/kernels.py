@@ -11,7 +11,8 @@ import drjit as dr
 
 from renderer.emitters import Kind
 from renderer.integrator import direct_layers, indirect_layer
-from renderer.sensor import camera_ray, stratified
+from renderer.sampling import net, net_start
+from renderer.sensor import camera_ray
 
 _NUDGE_PX = (1.1e-3, 0.7e-3)
 
@@ -38,12 +39,16 @@ def direct_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any, 
     """Sums over the samples of each pixel of the layers of ``direct_layers``."""
     rng = _generator(mi, frame["direct_seed"], pixel_index)
     first_stratum = _first_stratum(mi, rng, plan.direct_samples, plan)
+    places, on_light, in_lobe = net_start(mi, rng), net_start(mi, rng), net_start(mi, rng)
+    narrow = frame.get("narrow")
     diffuse, specular = mi.Float(0), mi.Float(0)
     hit, facing, unblocked = mi.Float(0), mi.Float(0), mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.direct_samples, exclude=[plan]):
-        ray, light = _sampled(mi, frame, pixel_index, sample, rng, plan.direct_samples, first_stratum, plan)
-        layers = direct_layers(mi, scene, ray, light, rng, kind=plan.kind, with_glints=plan.with_glints)
+        ray, light = _sampled(mi, frame, pixel_index, sample, rng, places, plan.direct_samples, first_stratum, plan)
+        lobe = net(mi, dr, in_lobe, sample) if plan.with_glints else None
+        place, turn = net(mi, dr, on_light, sample), (sample, plan.direct_samples)
+        layers = direct_layers(mi, scene, ray, light, place, lobe, turn, narrow, kind=plan.kind)
         diffuse += layers["diffuse"]
         specular += layers["specular"]
         hit += layers["hit"]
@@ -58,10 +63,11 @@ def indirect_kernel(mi: Any, scene: Any, frame: dict[str, Any], pixel_index: Any
     """Sum over the samples of each pixel of ``indirect_layer``."""
     rng = _generator(mi, frame["indirect_seed"], pixel_index)
     first_stratum = _first_stratum(mi, rng, plan.indirect_samples, plan)
+    places = net_start(mi, rng)
     indirect = mi.Float(0)
     sample = mi.UInt32(0)
     while dr.hint(sample < plan.indirect_samples, exclude=[plan]):
-        ray, light = _sampled(mi, frame, pixel_index, sample, rng, plan.indirect_samples, first_stratum, plan)
+        ray, light = _sampled(mi, frame, pixel_index, sample, rng, places, plan.indirect_samples, first_stratum, plan)
         indirect += indirect_layer(mi, scene, ray, light, rng, kind=plan.kind, max_scatterings=plan.max_scatterings)
         sample += 1
     return {"indirect": indirect}
@@ -125,11 +131,18 @@ def _first_stratum(mi: Any, rng: Any, samples: int, plan: KernelPlan) -> Any:
 
 
 def _sampled(
-    mi: Any, frame: dict[str, Any], pixel_index: Any, sample: Any, rng: Any, samples: int, first_stratum: Any, plan: KernelPlan
+    mi: Any,
+    frame: dict[str, Any],
+    pixel_index: Any,
+    sample: Any,
+    rng: Any,
+    places: Any,
+    samples: int,
+    first_stratum: Any,
+    plan: KernelPlan,
 ) -> tuple[Any, dict[str, Any]]:
     """A ray of one sample, spread over the pixel's area (box filter) and the exposure, and the light at the ray's instant."""
-    jitter = mi.Point2f(rng.next_float32(), rng.next_float32())
-    place = stratified(mi, sample, samples, jitter) if plan.stratified else jitter
+    place = net(mi, dr, places, sample) if plan.stratified else mi.Point2f(rng.next_float32(), rng.next_float32())
     pixel = _pixel(mi, frame, pixel_index, plan) + mi.Vector2f(place.x - 0.5, place.y - 0.5)
     tau, light = mi.Float(0), frame["light"]
     if plan.moving:

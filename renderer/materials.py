@@ -40,7 +40,7 @@ def roughness_of(material: Material) -> float | None:
 
 def is_near_mirror(material: Material, light_radius_rad: float = 0.0) -> bool:
     """Whether a surface needs its own lobe sampled to find a light that looks so large (half its angle)."""
-    narrow = max(NEAR_MIRROR_ROUGHNESS, 2 * light_radius_rad)
+    narrow = max(NEAR_MIRROR_ROUGHNESS, light_radius_rad)
     roughness = roughness_of(material)
     return roughness is not None and roughness < narrow
 

@@ -1,16 +1,17 @@
 """Quality presets: how many samples, and whether the indirect layer is filtered. Direct light is never filtered."""
 
-import math
 from dataclasses import dataclass
 
 from renderer.integrator import MAX_SCATTERINGS
+from renderer.sampling import MOST_SAMPLES
 
 
 @dataclass(frozen=True, slots=True)
 class Preset:
-    """Samples per pixel (square numbers, for the stratified grid), the number of scatterings followed, and the filter.
+    """Samples per pixel (powers of two, so that they fill a net), the number of scatterings followed, and the filter.
 
-    ``stratified`` spreads a pixel's samples over a grid: silhouettes then converge like n^-0.85 instead of n^-0.5.
+    ``stratified`` spreads a pixel's samples over nets (``renderer.sampling``): places and lights then converge faster than
+    n^-0.5.
     """
 
     direct_samples: int
@@ -20,10 +21,10 @@ class Preset:
     stratified: bool = True
 
     def __post_init__(self) -> None:
-        """Raises ``ValueError`` where a grid has gaps or reaches out of its pixel."""
+        """Raises ``ValueError`` where a net has gaps or is larger than there are points."""
         for layer, samples in (("direct", self.direct_samples), ("indirect", self.indirect_samples)):
-            if self.stratified and math.isqrt(samples) ** 2 != samples:
-                raise ValueError(f"{samples} {layer} samples fill no square grid")
+            if self.stratified and (samples & (samples - 1) or samples > MOST_SAMPLES):
+                raise ValueError(f"{samples} {layer} samples fill no net: powers of two up to {MOST_SAMPLES} do")
 
 
 PRESETS = {

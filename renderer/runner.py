@@ -82,5 +82,7 @@ def _device_value(mi: Any, value: Any) -> Any:
         return mi.UInt32(value)
     if isinstance(value, float):
         return mi.Float(value)
+    if isinstance(value, np.ndarray) and value.dtype == np.bool_:
+        return mi.UInt32(value.astype(np.uint32))
     array = np.asarray(value, dtype=np.float64)
     return mi.Matrix3f(array.tolist()) if array.ndim == 2 else mi.Vector3f(array.tolist())

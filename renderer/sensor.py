@@ -4,7 +4,6 @@ The target never moves in the renderer; camera and light move around it (moving 
 scene). Rays start at the lens centre, so ``si.t`` is the distance from it.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -101,10 +100,3 @@ def _undistort(mi: Any, c: dict[str, Any], bent: Any) -> Any:
         x = x - (dyy * fx - dxy * fy) / determinant
         y = y - (dxx * fy - dxy * fx) / determinant
     return mi.Point2f(x, y)
-
-
-def stratified(mi: Any, index: Any, samples: int, jitter: Any) -> Any:
-    """Position (0..1)² of sample ``index`` of ``samples`` (a square number) in its cell of the pixel's own grid."""
-    side = math.isqrt(samples)
-    column, row = index % side, index // side
-    return mi.Point2f((mi.Float(column) + jitter.x) / side, (mi.Float(row) + jitter.y) / side)

@@ -152,28 +152,30 @@ class Session:
             "indirect_seed": _seed32(view, f"{prefix}indirect"),
             "light": emitter_constants(light.emitter, turn, drift, view.power[index] if view.power else 1.0),
             **({} if view.partner_target is None else {"partner": view.partner_target}),
+            **self._passes[index].narrow,
         }
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pass:
-    """What renders one light: spectra folded with it, a scene with materials to match, its recorded kernels."""
+    """What renders one light: spectra folded with it, a scene with materials to match, its recorded kernels.
+
+    ``narrow``: by the kernels' number of a shape, whether its lobe is narrow against the light and has to be sampled to find it.
+    """
 
     photometry: Photometry
     scene: Any
     run: Runner
+    narrow: dict[str, Any]
 
 
 def _pass(target: Target, camera: Camera, light: SceneLight, scenario: Scenario, plan: KernelPlan, *, scalar: bool) -> _Pass:
     folded = photometry(camera, scenario.lights[light.name].spectrum)
     scene = load(target, folded)
-    own = replace(plan, kind=Kind.of(light.emitter), with_glints=_needs_lobes(target, light))
-    return _Pass(folded, scene, Runner(scene, own, scalar=scalar))
-
-
-def _needs_lobes(target: Target, light: SceneLight) -> bool:
-    """Whether some surface's lobe is narrow against the light, so that it has to be sampled to find it."""
-    return any(is_near_mirror(part.material, apparent_radius_rad(light.emitter)) for part in target.parts)
+    narrow = np.array([False, *(is_near_mirror(part.material, apparent_radius_rad(light.emitter)) for part in target.parts)])
+    own = replace(plan, kind=Kind.of(light.emitter), with_glints=bool(narrow.any()))
+    by_shape = {} if scalar or not narrow.any() else {"narrow": narrow[part_ids(scene, len(target.parts), scalar=False)]}
+    return _Pass(folded, scene, Runner(scene, own, scalar=scalar), by_shape)
 
 
 def _seed32(view: View, layer: str) -> int:

@@ -217,7 +217,7 @@ def test_a_lamp_that_stands_still_stays_there_while_the_shutter_is_open():
     lamp = {"lamp": LAMP | {"position_m": (2.0, 0.0, 8.0), "aim_m": (0.0, 0.0, 10.0), "radius_m": 0.1, "beam_deg": 100.0}}
     parts = [box((1.0, 1.0, 0.2))]
     case = scenario(parts, camera(48, 32, 250.0, 0.02), motion, lights=lamp)
-    moving = Studio(case, Preset(144, 0, denoise_indirect=False), moving=True)
+    moving = Studio(case, Preset(128, 0, denoise_indirect=False), moving=True)
     view = moving.view(exposure_s=0.02)
     blurred = np.mean([direct(layers) for layers in moving.repeats(view, range(8))], axis=0)
     sharp = np.mean([_sharp(case, ((step + 0.5) / 25 - 0.5) * 0.02, step) for step in range(25)], axis=0)
@@ -235,7 +235,7 @@ def _sharp(case: Scenario, instant_s: float, seed: int) -> Floats:
         position_m=tuple(pose.translation.tolist()),
         rotation_vector_deg=tuple(pose.rotation.as_rotvec(degrees=True).tolist()),
     )
-    studio = Studio(case.model_copy(update={"motion": frozen}), Preset(36, 0, denoise_indirect=False))
+    studio = Studio(case.model_copy(update={"motion": frozen}), Preset(32, 0, denoise_indirect=False))
     view = studio.view(seed=seed)
     placed = studio.window
     from dataclasses import replace

@@ -1,4 +1,3 @@
-import math
 from typing import get_args
 
 import pytest
@@ -13,17 +12,17 @@ def test_every_quality_that_a_scenario_may_name_has_a_preset():
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_samples_fill_a_square_grid(name: str):
+def test_samples_fill_a_net(name: str):
     preset = PRESETS[name]
     for samples in (preset.direct_samples, preset.indirect_samples):
-        assert math.isqrt(samples) ** 2 == samples
-        assert samples == 0 or samples % 37 != 0  # strata of time and cells of the pixel are paired by steps of 37
+        assert samples & (samples - 1) == 0
     assert preset.max_scatterings == MAX_SCATTERINGS
 
 
-def test_a_number_without_a_grid_is_refused():
-    with pytest.raises(ValueError, match="20 direct samples"):
-        Preset(20, 0)
+@pytest.mark.parametrize("samples", [20, 36, 2048])
+def test_a_number_without_a_net_is_refused(samples: int):
+    with pytest.raises(ValueError, match=f"{samples} direct samples fill no net"):
+        Preset(samples, 0)
     assert Preset(20, 0, stratified=False).direct_samples == 20
 
 

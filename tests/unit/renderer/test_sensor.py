@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from renderer.runner import _device_constants
-from renderer.sensor import Shutter, camera_ray, lens_constants, stratified
+from renderer.sensor import Shutter, camera_ray, lens_constants
 from renderer.variant import activate
 from scenes.arrays import Floats
 from scenes.intrinsics import Intrinsics
@@ -70,13 +70,3 @@ def test_a_moving_camera_is_where_a_turning_and_drifting_target_puts_it(turn_deg
         origin, direction, _ = _rays(LENSES["pinhole"], shutter, pixels, tau)
         assert np.abs(origin - pose.translation).max() < 2e-5  # float32 at 40 m; the chord misses the arc by 14 mm
         assert np.abs(direction - pose.rotation.apply(LENSES["pinhole"].rays(pixels))).max() < 4e-7
-
-
-def test_strata_cover_the_pixel_once():
-    import mitsuba as mi
-
-    jitter = mi.Point2f(0.5, 0.5)
-    places = np.array([np.ravel(np.array(stratified(mi, mi.UInt32(index), 16, jitter))) for index in range(16)])
-    assert sorted(map(tuple, places.round(6).tolist())) == [
-        (x, y) for x in (0.125, 0.375, 0.625, 0.875) for y in (0.125, 0.375, 0.625, 0.875)
-    ]
