@@ -8,7 +8,7 @@ from scenes.errors import FAULT_FOUND, UsageError, unknown
 
 if TYPE_CHECKING:
     from benchmark.results import Results
-    from scenes.scenario import Quality
+    from scenes.scenario import Quality, Scenario
 
 REASONS_SHOWN = 3
 
@@ -44,20 +44,32 @@ def render(
     resume: bool,
     console: Console,
 ) -> None:
-    """Renders a scenario into ``out``."""
+    """Renders a scenario into ``out``, after saying what that will cost."""
     from scenes.dataset_range import parse_frames
     from scenes.scenario import load_scenario
 
     loaded = load_scenario(scenario, overrides)
     selected = None if frames is None else parse_frames(frames, loaded.frame_count)
     preset = _preset(quality)
-    from renderer.generate import generate
+    from renderer.generate import generate, settled
 
     _warn_if_slow(console)
-    count = loaded.frame_count if selected is None else len(selected)
+    chosen = range(loaded.frame_count) if selected is None else selected
+    _say_plan(settled(loaded, seed, preset), chosen, console)
+    count = len(chosen)
     with console.stage(f"render {count} frames") as progress:
         generate(loaded, out, frames=selected, seed=seed, workers=workers, resume=resume, quality=preset, progress=progress)
     console.say(f"{out}: {count} frames")
+
+
+def _say_plan(scenario: "Scenario", frames: range, console: Console) -> None:
+    """What is ahead, and what a few frames tell of it. Raises ``UsageError`` where it cannot work."""
+    from renderer.plan import plan
+
+    ahead = plan(scenario, frames)
+    console.note(f"plan: {ahead.sentence()}")
+    for warning in ahead.warnings:
+        console.note(f"warning: {warning}")
 
 
 def verify(path: Path, sample: int, console: Console) -> int:

@@ -42,7 +42,7 @@ def generate(
     ``seed`` and ``quality`` replace the scenario's own. The bytes do not depend on ``workers``, order or interruptions.
     ``progress(done, total)`` is called after each frame. Raises ``DatasetConflict`` where ``out`` holds something else.
     """
-    scenario = _settled(scenario, seed, quality)
+    scenario = settled(scenario, seed, quality)
     selected = frames if frames is not None else range(scenario.frame_count)
     if not selected or min(selected) < 0 or max(selected) >= scenario.frame_count:
         raise UsageError(f"frames {selected}: the scenario has frames 0 to {scenario.frame_count - 1}")
@@ -58,7 +58,8 @@ def generate(
     writer.finish()
 
 
-def _settled(scenario: Scenario, seed: int | None, quality: Quality | None) -> Scenario:
+def settled(scenario: Scenario, seed: int | None, quality: Quality | None) -> Scenario:
+    """``scenario`` with the seed and the quality that are given in place of its own."""
     changes: dict[str, Any] = {} if seed is None else {"seed": seed}
     changes |= {} if quality is None else {"quality": quality}
     return scenario.model_copy(update=changes)

@@ -98,7 +98,8 @@ def is_narrow(mi: Any, si: Any, narrow: Any) -> Any:
     """Whether the surface's lobe is narrow against the light: ``narrow`` (0 or 1 by the shape's number, None: all are)."""
     if narrow is None:
         return True
-    return dr.gather(mi.UInt32, narrow, dr.reinterpret_array(mi.UInt32, si.shape), si.is_valid()) == 1
+    shape: Any = dr.reinterpret_array(mi.UInt32, si.shape)
+    return dr.gather(mi.UInt32, narrow, shape, si.is_valid()) == 1
 
 
 def _glint(
