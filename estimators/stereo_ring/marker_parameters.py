@@ -15,9 +15,9 @@ class MarkerParameters(Spec):
 
     # the sweep over grey levels
     reach: Positive = 1.75  # half-width of the part that is looked at, in the ring's major semi-axes
-    sweep_semi_axis_px: Positive = 100.0  # the part is shrunk until the ring's major semi-axis is no larger
+    sweep_semi_axis_px: Positive = 80.0  # the part is shrunk until the ring's major semi-axis is no larger
     levels: Annotated[int, Field(ge=3)] = 16  # grey levels, a constant ratio apart …
-    first_level_dn: Positive = 0.9  # … the first so much above the darkest …
+    first_level_dn: Positive = 1.5  # … the first so much above the darkest …
     low_percent: Annotated[float, Field(ge=0, le=100)] = 1.0  # … between these percentiles of the part
     high_percent: Annotated[float, Field(ge=0, le=100)] = 99.0
     least_area: Positive = 0.006  # area over the product of the ring's semi-axes

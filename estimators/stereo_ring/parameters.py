@@ -19,7 +19,7 @@ class RefineParameters(Spec):
     """Sub-pixel refinement of one view's ellipses."""
 
     stations: Annotated[int, Field(ge=36)] = 180  # places round the ellipse where its edge is looked for
-    windows_px: Windows = (9.0, 6.0, 4.0, 3.0)  # half-widths of the search, one after the other
+    windows_px: Windows = (9.0, 5.0, 3.0)  # half-widths of the search, one after the other
     fit_steps: Count = 6  # iterations of weights in each window
     near_px: Positive = 0.7  # a station supports the ellipse if its edge is this near
     least_sigma_px: Positive = 0.1  # the robust scale is never taken to be less
