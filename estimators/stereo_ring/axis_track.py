@@ -55,7 +55,7 @@ class AxisTrack:
         tried = watch.remembered(self.constellation.landmarks, base)
         self._since_sweep += 1
         p = self._parameters.constellation
-        if len(tried) >= p.least_for_track and self._since_sweep < p.sweep_every:
+        if len(tried) >= (p.least_for_track if self._since_sweep < p.sweep_every else p.enough):
             return self._fixed(tried, base, ring_sigma_m)
         self._since_sweep = 0
         matches = self._matched(watch.swept(), base, ring)
@@ -132,7 +132,7 @@ class AxisTrack:
     def _is_known(self, point_ring: Floats) -> bool:
         points = self.constellation.points_ring
         apart = self._parameters.constellation.apart_m
-        return bool(len(points)) and bool(np.linalg.norm(points - point_ring, axis=1).min() < apart)
+        return bool(len(points)) and bool(np.hypot(*(points - point_ring)[:, :2].T).min() < apart)
 
     @staticmethod
     def _about_z(angle_rad: float) -> RigidTransform:

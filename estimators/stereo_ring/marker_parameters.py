@@ -87,8 +87,9 @@ class ConstellationParameters(Spec):
     settle_frames: Count = 10  # frames in which a marker nearer to the axis may still become the main one …
     settle_count: Count = 3  # … once it has been seen this often …
     doubtful: Positive = 3.0  # … and is the main one if that was then missed this many times as often as it was seen
-    sweep_every: Count = 25  # frames after which new markers are looked for
-    apart_m: Positive = 0.03  # a new marker has to be this far from every remembered one
+    sweep_every: Count = 25  # frames after which new markers are looked for …
+    enough: Count = 4  # … unless so many of the remembered ones are seen
+    apart_m: Positive = 0.03  # a new marker has to be this far from every remembered one, in the plane
     fallback_height_m: Positive = 0.2  # smallest height of the triangle that may carry the frame without the ring
     fallback_residual_m: Positive = 0.005  # and the rms distance of its markers from where they are remembered
     least_for_track: Count = 2  # with fewer remembered markers found again the whole neighbourhood is searched
