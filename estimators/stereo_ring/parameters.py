@@ -107,6 +107,7 @@ class TrackParameters(Spec):
     promote_frames: Count = 4  # a new ring's surroundings are searched for a larger edge in so many frames …
     promote_every: Count = 12  # … and then after every so many
     longest_gap_s: Positive = 5.0  # frames farther apart give no rate
+    farthest_m: Positive = 0.01  # a centre farther than this from its path begins a new one, where it is filtered
     coast_frames: Count = 5  # frames over which the turn may be predicted without a marker
     unmarked_frames: Count = 12  # frames without a marker after which a ring is taken for another circle, and left
     coast_sigma_deg: Positive = 0.5  # growth of the turn's sigma with each of them
@@ -117,6 +118,7 @@ class TrackParameters(Spec):
 class TrackedParameters(Spec):
     """``stereo-ring``: all of it."""
 
+    centre_gain: Annotated[float, Field(gt=0, le=1)] = 1.0  # share of a frame in the answered centre; 1: no filter over time
     smooth_sigma_px: Positive = 1.0  # Gaussian before edges are measured
     detector: DetectorParameters = DetectorParameters(polarity="any")
     refine: RefineParameters = RefineParameters()

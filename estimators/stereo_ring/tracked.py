@@ -12,6 +12,7 @@ from scipy.spatial.transform import RigidTransform
 
 from estimators.api import Estimate, Outcome
 from estimators.stereo_ring.axis_track import AxisFix, AxisTrack
+from estimators.stereo_ring.centre_filter import CentreFilter, filtered
 from estimators.stereo_ring.fallback import laid_onto
 from estimators.stereo_ring.measurement import Measured, seen_ellipses
 from estimators.stereo_ring.motion import Motion, circle_at, followed, turned_to
@@ -36,6 +37,7 @@ class TrackedRing:
         self._ring = RingTrack(self._setting.rig, self.parameters)
         self._axis = AxisTrack(self._setting.rig, self.parameters)
         self._motion: Motion | None = None
+        self._path: CentreFilter | None = None
         self._radius_m = 0.0  # of the ring that was last answered
         self._coasted = 0  # frames in a row whose turn was predicted
         self._is_marked = False  # whether a marker was seen since the ring was acquired
@@ -85,8 +87,12 @@ class TrackedRing:
             self._coasted, self._is_marked = 0, True
             self._radius_m = self._ring.memory.radius_m
             self._motion = followed(self._motion, fix.left_from_ring, time_s, p.longest_gap_s)
+            self._path = filtered(
+                self._path, fix.left_from_ring.translation, time_s, self.parameters.centre_gain, p.longest_gap_s, p.farthest_m
+            )
             extras = extras | {"markers": float(fix.markers), "sigma_turn_deg": float(np.rad2deg(fix.sigma_rad))}
-            return self._answer(fix.left_from_ring, extras | {"from_ring": 1.0})
+            answered = RigidTransform.from_components(self._path.centre_m, fix.left_from_ring.rotation)
+            return self._answer(answered, extras | {"from_ring": 1.0})
         extras = extras | {"markers": 0.0}
         self._coasted += 1
         if self._coasted >= p.unmarked_frames:

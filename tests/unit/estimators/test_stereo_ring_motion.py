@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from estimators.stereo_ring.centre_filter import filtered
 from estimators.stereo_ring.circle_cone import Circle
 from estimators.stereo_ring.circle_fit import CirclesFit
 from estimators.stereo_ring.confirmation import Confirmation
@@ -68,3 +69,32 @@ def test_the_radius_is_remembered_as_a_mean_and_judges():
     assert not memory.agrees(0.56, TRACK)  # the face's inner edge
     assert not memory.agrees(0.63, TRACK)  # a shadow
     assert Confirmation().agrees(0.3, TRACK)
+
+
+def path(measurements, gain, farthest_m=0.05):
+    state, found = None, []
+    for time_s, centre in enumerate(measurements):
+        state = filtered(state, centre, float(time_s), gain, 5.0, farthest_m)
+        found.append(state.centre_m)
+    return np.array(found)
+
+
+def test_the_filter_does_not_lag_behind_a_uniform_motion_and_is_none_at_gain_one():
+    straight = np.arange(60)[:, None] * np.array([0.001, -0.002, 0.026])
+    assert np.abs(path(straight, 0.3) - straight).max() < 1e-12
+    noisy = straight + np.random.default_rng(1).normal(0, 1e-3, straight.shape)
+    assert np.array_equal(path(noisy, 1.0), noisy)
+
+
+def test_the_filter_divides_the_noise_from_frame_to_frame_as_it_says():
+    """White noise; √2/α, to a third of it, since the speed is corrected, too."""
+    noise = np.random.default_rng(2).normal(0, 1e-3, (4000, 3))
+    ratio = np.std(np.diff(noise, axis=0)) / np.std(np.diff(path(noise, 0.2), axis=0)[100:])
+    assert ratio == pytest.approx(np.sqrt(2) / 0.2, rel=0.35)
+
+
+def test_a_jump_begins_a_new_path():
+    jump = np.zeros((20, 3))
+    jump[1:] += 1e-6
+    jump[10:] += 0.2
+    assert np.abs(path(jump, 0.2) - jump).max() < 0.01
