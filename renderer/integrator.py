@@ -38,14 +38,14 @@ def direct_layers(
     surface's own lobe; None where no part of the target needs it. ``narrow``: which parts do, see ``is_narrow``. ``turn``: see
     ``sample_light``.
     """
-    si = scene.ray_intersect(ray)
+    si = scene.ray_intersect(ray, mi.RayFlags.All, True)  # neighbouring lanes are neighbouring pixels
     hit = si.is_valid()
     if _is_off(hit):
         return dict.fromkeys(("diffuse", "specular", "hit", "facing", "open"), 0.0)
     to = sample_light(mi, dr, kind, light, si.p, on_light, turn)
     bsdf = si.bsdf(ray)
     facing = hit & (dr.dot(si.n, to.direction) > 0) & (dr.dot(si.n, ray.d) < 0)
-    is_open = facing & (scene.ray_test(_towards(si, to), facing) ^ True)
+    is_open = facing & (scene.ray_test(_towards(si, to), True, facing) ^ True)
     wo = si.to_local(to.direction)
     diffuse, specular = _lobes(mi, bsdf, si, wo, is_open)
     if in_lobe is not None:
@@ -63,7 +63,7 @@ def indirect_layer(
 ) -> Any:
     """Radiance of light that was scattered by at least two surfaces before it reached the camera."""
     ray = mi.Ray3f(ray)
-    si = scene.ray_intersect(ray)
+    si = scene.ray_intersect(ray, mi.RayFlags.All, True)
     active = si.is_valid()
     throughput = mi.Float(1.0)
     radiance = mi.Float(0.0)
