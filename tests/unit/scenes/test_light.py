@@ -35,9 +35,9 @@ def test_total_irradiance_scales_the_spectrum():
 
 def test_irradiance_falls_with_the_square_and_the_disk_with_the_distance():
     near, far = (_scene(distance_au=au).lights[0] for au in (1.0, 2.0))
-    assert far.spectrum == pytest.approx(near.spectrum / 4)
-    assert np.sin(near.half_angle_rad) == pytest.approx(2 * np.sin(far.half_angle_rad))
-    assert near.half_angle_rad == pytest.approx(np.arcsin(6.957e8 / 1.495978707e11), rel=1e-3)
+    assert far.irradiance_w_m2_nm == pytest.approx(near.irradiance_w_m2_nm / 4)
+    assert np.sin(near.emitter.half_angle_rad) == pytest.approx(2 * np.sin(far.emitter.half_angle_rad))
+    assert near.emitter.half_angle_rad == pytest.approx(np.arcsin(6.957e8 / 1.495978707e11), rel=1e-3)
 
 
 def test_the_direction_is_fixed_where_it_was_said():
@@ -72,4 +72,4 @@ def test_impossible_suns_are_refused(changes: dict, says: str):
 
 def test_a_sun_just_outside_of_itself_is_nearly_half_the_sky():
     near = _scene(half_angle_deg=20.0, distance_au=1.0001 * np.sin(np.radians(20.0))).lights[0]
-    assert np.degrees(near.half_angle_rad) == pytest.approx(np.degrees(np.arccos(np.sqrt(2e-4))), abs=0.01)
+    assert np.degrees(near.emitter.half_angle_rad) == pytest.approx(np.degrees(np.arccos(np.sqrt(2e-4))), abs=0.01)

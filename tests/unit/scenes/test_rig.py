@@ -14,7 +14,8 @@ from scenes.scenario import load_scenario
 
 CAMERA = {
     "width_px": 2048, "height_px": 2048, "pixel_pitch_m": 5.5e-6, "focal_length_m": 1773.62 * 5.5e-6, "f_number": 4.0,
-    "detector": {"quantum_efficiency": 0.5, "full_well_e": 1e4, "gain_dn_per_e": 0.02}, "exposure": {"type": "fixed", "time_s": 1e-3},
+    "detector": {"quantum_efficiency": 0.5, "full_well_e": 1e4, "gain_dn_per_e": 0.02},
+    "exposure": {"type": "fixed", "time_s": 1e-3},
 }  # fmt: skip
 
 

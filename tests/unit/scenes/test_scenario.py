@@ -54,7 +54,7 @@ def test_a_new_random_field_changes_no_other(paper: Scenario):
         base, other_sun, other_view = (realize(one, 5, frame) for one in (case, drifting, lower))
         assert np.array_equal(base.chaser_from_target.as_matrix(), other_sun.chaser_from_target.as_matrix())
         assert np.array_equal(base.lights[0].direction_chaser, other_sun.lights[0].direction_chaser)
-        assert base.lights[0].half_angle_rad != other_sun.lights[0].half_angle_rad
+        assert base.lights[0].emitter.half_angle_rad != other_sun.lights[0].emitter.half_angle_rad
         assert np.array_equal(base.chaser_from_target.rotation.as_quat(), other_view.chaser_from_target.rotation.as_quat())
         assert np.array_equal(base.lights[0].direction_chaser, other_view.lights[0].direction_chaser)
 
