@@ -1,6 +1,6 @@
 """Mitsuba's own path tracer and its own sensor and light, to hold our integrator, sensor and sun against."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -13,25 +13,22 @@ from renderer.session import View
 from scenes.solids import solids
 from scenes.spectrum import band_irradiance
 
+Emitter = Callable[[Any, View], dict[str, Any]]  # (mitsuba, view) → what stands for the light
+
 
 class MitsubaPath:
     """The scene of a studio as Mitsuba's documentation would have it: perspective camera, directional light, ``path``."""
 
-    def __init__(self, studio: Studio, view: View) -> None:
-        """The studio's undistorted camera stands still; the light is a directional one of the sun's irradiance."""
+    def __init__(self, studio: Studio, view: View, emitter: Emitter | None = None) -> None:
+        """The studio's undistorted camera stands still; the light is a directional one of the sun's irradiance, or ``emitter``."""
         import mitsuba as mi
 
         self._mi = mi
         fold = photometry(studio.camera, studio.spectrum).effective
-        irradiance = band_irradiance(view.lights[0].irradiance_w_m2_nm)
         parts = zip(studio.scenario.target.parts, solids(studio.scenario.target))
         shapes = {f"part{i}": _mesh(mi, solid, bsdf(part.material, fold)) for i, (part, solid) in enumerate(parts)}
-        sun = {
-            "type": "directional",
-            "direction": (-view.lights[0].direction_target).tolist(),
-            "irradiance": {"type": "uniform", "value": irradiance},
-        }
-        scene = {"type": "scene", "sensor": _sensor(mi, studio, view), "sun": sun, **shapes}
+        light = (emitter or _directional)(mi, view)
+        scene = {"type": "scene", "sensor": _sensor(mi, studio, view), "light": light, **shapes}
         self._scene = mi.load_dict(scene, parallel=False, optimize=False)
         self._shape = (view.window.height_px, view.window.width_px)
 
@@ -42,6 +39,15 @@ class MitsubaPath:
         for seed in seeds:
             picture = mi.render(self._scene, integrator=integrator, spp=samples, seed=seed)
             yield np.array(picture).reshape(self._shape).astype(np.float64)
+
+
+def _directional(mi: Any, view: View) -> dict[str, Any]:
+    irradiance = band_irradiance(view.lights[0].irradiance_w_m2_nm)
+    return {
+        "type": "directional",
+        "direction": (-view.lights[0].direction_target).tolist(),
+        "irradiance": {"type": "uniform", "value": irradiance},
+    }
 
 
 def _sensor(mi: Any, studio: Studio, view: View) -> dict[str, Any]:
