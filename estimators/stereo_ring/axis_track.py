@@ -84,7 +84,7 @@ class AxisTrack:
         if frame is None:
             return None
         self._learn([Match(one, None) for one in seen], frame)
-        sigma = self._parameters.constellation.first_scatter_m / max(min(out), 1e-6)
+        sigma = seen[int(np.argmin(out))].sigma_m / max(min(out), 1e-6)
         return AxisFix(frame, sigma, len(seen))
 
     def _matched(self, seen: list[Sighting], base: RigidTransform, ring: Circle) -> list[Match]:

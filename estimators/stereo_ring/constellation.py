@@ -14,7 +14,7 @@ from scenes.arrays import Floats
 class Landmark:
     """A marker: ``point_ring`` (3,) and ``border_ring`` (n, 3), metres, ring frame; how often it was seen and missed.
 
-    ``scatter_m``: how far it was seen from where it is remembered, rms in the ring's plane; it begins with a guess.
+    ``scatter_m``: how far it was seen from where it is remembered, rms in the ring's plane; it begins with what its edge says.
     """
 
     point_ring: Floats
@@ -62,8 +62,7 @@ class Constellation:
             self.landmarks[index] = self._averaged(self.landmarks[index], point, border)
         for index in set(range(len(self.landmarks))) - {index for index, _, _ in seen}:
             self.landmarks[index] = replace(self.landmarks[index], missed=self.landmarks[index].missed + 1)
-        guess = self._parameters.first_scatter_m
-        self.landmarks += [Landmark(point, border, one.square, one.bright, guess) for one, point, border in new]
+        self.landmarks += [Landmark(point, border, one.square, one.bright, one.sigma_m) for one, point, border in new]
         self._drop()
         self._choose_main()
 

@@ -77,8 +77,7 @@ class ConstellationParameters(Spec):
     same_share: Positive = 0.05  # a sighting may be a remembered marker if radius and height differ by less, in ring radii
     vote_share: Positive = 0.05  # markers agree on a turn if they lie this near, in ring radii
     most_turn_deg: Positive = 60.0  # largest turn from the prediction that is considered
-    first_scatter_m: Positive = 5e-4  # how far a new marker is thought to be from where it is remembered
-    least_scatter_m: Positive = 3e-5  # and the least that any is ever thought to be
+    least_scatter_m: Positive = 3e-5  # the least that a marker is ever thought to be from where it is remembered
     scatter_count: Count = 20  # sightings over which that is judged
     gate_sigmas: Positive = 5.0  # residual beyond which a marker is left out of the turn …
     gate_m: Positive = 2e-3  # … but never if it is this near

@@ -13,6 +13,7 @@ from estimators.stereo_ring.outlines import Outline, disc_outline, square_outlin
 from estimators.stereo_ring.rig import Rig, epipolar_distance_px, homogeneous, triangulate
 from scenes.arrays import Bools, Floats
 
+_STRETCHES, _LEAST_RMS_PX = 16, 0.04  # of a marker's edge that scatter on their own, and the least that they do
 _SAME_SHARE = 0.3  # of the root of its area: outlines whose centres are nearer than this are one marker's
 
 
@@ -21,14 +22,15 @@ class Sighting:
     """One marker in both views.
 
     ``point_left`` (3,): its centre, metres, left camera frame; ``border_left`` (n, 3): a square's four corners, or points of a
-    disc's edge, in the plane through the centre that is parallel to the ring's; ``square``; ``bright``; ``area_px`` on the left.
+    disc's edge, in the plane through the centre that is parallel to the ring's; ``square``; ``bright``; ``sigma_m``: how well
+    the centre is known across the line of sight, by how its edge scatters.
     """
 
     point_left: Floats
     border_left: Floats
     square: bool
     bright: bool
-    area_px: float
+    sigma_m: float
 
 
 def outlines_of(view: MarkerView, shapes: list[Shape], p: MarkerParameters) -> list[Outline]:
@@ -72,7 +74,7 @@ def sightings(left: list[Outline], right: list[Outline], rig: Rig, ring: Circle,
     for index in np.argsort(distance, kind="stable"):
         i, j = pairs[index]
         if good[index] and i not in used_left and j not in used_right:
-            seen = sighting(left[i], points[index], rig, ring.normal)
+            seen = sighting((left[i], right[j]), points[index], rig, ring.normal)
             if is_regular(seen.border_left - seen.point_left, seen.square, p):
                 used_left.add(i)
                 used_right.add(j)
@@ -80,12 +82,15 @@ def sightings(left: list[Outline], right: list[Outline], rig: Rig, ring: Circle,
     return chosen
 
 
-def sighting(left: Outline, point_left: Floats, rig: Rig, normal: Floats) -> Sighting:
+def sighting(seen: tuple[Outline, Outline], point_left: Floats, rig: Rig, normal: Floats) -> Sighting:
     """The marker at ``point_left`` with its border from the left view."""
+    left, right = seen
     border = np.asarray(left.border_px if left.corners_px is None else left.corners_px)
     rays = homogeneous(border) @ np.linalg.inv(rig.K_left).T
     depth = (normal @ point_left) / (rays @ normal)
-    return Sighting(point_left, rays * depth[:, None], left.corners_px is not None, left.bright, left.area_px)
+    rms_px = max(float(np.hypot(left.rms_px, right.rms_px)) / np.sqrt(2), _LEAST_RMS_PX)
+    sigma_m = rms_px / _STRETCHES**0.5 * float(point_left[2]) / float(rig.K_left[0, 0])
+    return Sighting(point_left, rays * depth[:, None], left.corners_px is not None, left.bright, sigma_m)
 
 
 def is_regular(border: Floats, square: bool, p: MarkerParameters) -> bool:

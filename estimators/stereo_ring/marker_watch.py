@@ -84,7 +84,7 @@ class MarkerWatch:
         near = np.linalg.norm(point - expected) <= self.parameters.constellation.vote_share * self.ring.radius_m
         if not near or not is_about(point[None], self.ring, p)[0]:
             return None
-        return sighting(left, point, rig, self.ring.normal)
+        return sighting((left, right), point, rig, self.ring.normal)
 
     def _outline_near(self, view: MarkerView, border_left: Floats, square: bool, projection: Floats) -> Outline | None:
         """The outline in one view, near where the landmark's border (n, 3), left frame, is expected."""

@@ -169,7 +169,7 @@ def test_of_turns_that_explain_as_much_the_smallest_is_taken():
 
 def sighting(point):
     border = np.asarray(point) + 0.05 * np.column_stack([SQUARE, np.zeros(4)])
-    return Sighting(np.asarray(point), border, True, False, 400.0)
+    return Sighting(np.asarray(point), border, True, False, 5e-4)
 
 
 def taught(places, parameters=MEMORY):
