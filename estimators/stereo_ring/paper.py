@@ -30,8 +30,7 @@ Known properties, not faults: the largest ellipse is often the ring's shadow; fo
 ring's; and nearest to the ring is another marker when one is not seen.
 """
 
-import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +46,7 @@ from estimators.stereo_ring.paper_parameters import PaperParameters
 from estimators.stereo_ring.regions import marker_centres
 from estimators.stereo_ring.ring_choice import Choice, followed, outermost_pair
 from estimators.stereo_ring.setting import Picture, Setting, setting_from
+from estimators.stereo_ring.stopwatch import Stopwatch
 from scenes.recording import Knowledge, Observation
 
 
@@ -56,20 +56,6 @@ class _Last:
 
     pictures: tuple[Picture, Picture]
     choices: tuple[Choice, Choice]
-
-
-@dataclass(slots=True)
-class _Stopwatch:
-    """CPU seconds of the stages of one frame, as extras."""
-
-    extras: dict[str, float] = field(default_factory=dict)
-    _since: float = field(default_factory=time.process_time)
-
-    def ends(self, stage: str) -> None:
-        now = time.process_time()
-        name = f"cpu_{stage}_s"
-        self.extras[name] = self.extras.get(name, 0.0) + now - self._since
-        self._since = now
 
 
 class PaperRing:
@@ -92,14 +78,14 @@ class PaperRing:
         for name, picture in zip(self._setting.names, pictures, strict=True):
             if int(picture.max()) - int(picture.min()) < self.parameters.min_contrast_dn:
                 return self._failed(Outcome.NO_FEATURES, f"the picture of {name!r} is blank", {})
-        watch = _Stopwatch()
+        watch = Stopwatch()
         rings = self._rings(pictures, watch)
         pairs = self._markers(pictures)
         watch.ends("markers")
         extras = {"markers": float(len(pairs)), "from_ring": float(rings is not None)} | watch.extras
         return self._without_ring(pairs, extras) if rings is None else self._with_ring(rings, pairs, extras)
 
-    def _rings(self, pictures: tuple[Picture, Picture], watch: _Stopwatch) -> tuple[Choice, Choice] | None:
+    def _rings(self, pictures: tuple[Picture, Picture], watch: Stopwatch) -> tuple[Choice, Choice] | None:
         """The ring in both views, remembered with copies of its pictures; None and nothing remembered where it is lost."""
         last, p = self._last, self.parameters
         left, right = (detect_ellipses(picture, p) for picture in pictures)
