@@ -1,6 +1,6 @@
 """Ellipses of a picture by arc-support line segments: the five steps of Shu et al. 2020, section 2.3.1 (after Lu et al. 2020)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from estimators.stereo_ring.coverage import Covered, promising, refitted, verifi
 from estimators.stereo_ring.detector_parameters import DetectorParameters
 from estimators.stereo_ring.ellipse_fits import ellipse_fits
 from estimators.stereo_ring.growth import grown
+from estimators.stereo_ring.lit_window import lit_window
 from estimators.stereo_ring.segments import in_camera_pixels, line_segments, reduced
 from scenes.arrays import Floats
 
@@ -32,6 +33,13 @@ class Candidate:
 
 def detect_ellipses(picture: NDArray[np.uint8], parameters: DetectorParameters) -> tuple[Candidate, ...]:
     """The ellipses of an eight-bit picture (height, width), the best covered first; none in a picture without edges."""
+    rows, columns = lit_window(picture, parameters.window_contrast_dn)
+    found = _found(np.ascontiguousarray(picture[rows, columns]), parameters)
+    return tuple(replace(one, ellipse=_shifted(one.ellipse, columns.start, rows.start)) for one in found)
+
+
+def _found(picture: NDArray[np.uint8], parameters: DetectorParameters) -> tuple[Candidate, ...]:
+    """The five steps."""
     plain = reduced(picture, parameters)  # a root moves edges to their dark side: it may find, not measure
     small = reduced(picture, parameters, parameters.root_dn) if parameters.root_dn else plain
     pieces = edge_pieces(small, line_segments(small, parameters))
@@ -45,6 +53,10 @@ def detect_ellipses(picture: NDArray[np.uint8], parameters: DetectorParameters) 
     found = found.taken(np.flatnonzero(_is_right(found, parameters, small.scale)))
     found = found.taken(distinct(found.ellipses, found.coverage - found.rms, nearer_than, parameters.most_candidates))
     return _candidates(found, small.scale)
+
+
+def _shifted(ellipse: Ellipse, x_px: int, y_px: int) -> Ellipse:
+    return replace(ellipse, x_px=ellipse.x_px + x_px, y_px=ellipse.y_px + y_px)
 
 
 def _is_right(found: Covered, parameters: DetectorParameters, scale: float) -> np.ndarray:

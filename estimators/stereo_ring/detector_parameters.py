@@ -15,6 +15,7 @@ class DetectorParameters(Spec):
     polarity: Literal["same", "any"] = "same"
 
     # the picture that is looked at
+    window_contrast_dn: NonNegative = 1.5  # what is brighter than the dark by this in the mean of 16 px squared is searched
     scale: Annotated[float, Field(gt=0, le=1)] = 0.5  # of the camera's picture
     blur_px: Positive = 1.5  # Gaussian sigma before the gradient
     root_dn: Positive | None = 8.0  # edges in √(DN + this): photon noise becomes even, the dark counts; None: in DN as they are
