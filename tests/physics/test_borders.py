@@ -40,7 +40,7 @@ def test_no_ray_slips_through_between_triangles(width: int, height: int):
 
 def test_a_target_smaller_than_a_pixel_is_not_taken_for_darkness():
     cam = camera(64, 64, 500.0, exposure=AUTO, principal_point_px=(31.3, 31.4))
-    taken = photo(scenario([box((1.0, 1.0, 1.0))], cam, still(2000.0), quality="draft"))
+    taken = photo(scenario([box((1.0, 1.0, 1.0))], cam, still(2000.0), quality="standard"))
     assert not (taken.layers["part_id"] > 0).any()
     assert taken.layers["coverage"].sum() > 0.02
     assert taken.exposure_s < 0.5

@@ -97,4 +97,7 @@ def test_more_scatterings_add_less_and_less():
     gains = np.diff(sums)
     assert sums[0] == 0.0
     assert (gains > 0).all()
-    assert (gains[1:] < 0.5 * gains[:-1]).all()  # two white walls send less than half of their light to each other
+    assert (gains[1:] < gains[:-1]).all()
+    # Two white walls send less than half of their light to each other, there and back less than a quarter; the steps themselves
+    # alternate, as one wall stands more in the sun than the other.
+    assert (gains[2:] < 0.25 * gains[:-2]).all()
