@@ -10,6 +10,7 @@ from typing import Any
 _BITS = 10  # of the index: a pixel has at most 1024 samples
 MOST_SAMPLES = 1 << _BITS
 _TO_UNIT = 2.0**-24
+_WORD = 0xFFFFFFFF  # where numbers are Python's own (scalar variants) they do not run over by themselves
 
 
 def net_start(mi: Any, rng: Any) -> Any:
@@ -38,9 +39,9 @@ def _shuffled(mi: Any, index: Any, seed: Any) -> Any:
     """
     result = mi.UInt32(0)
     for bit in range(_BITS):
-        above = (mi.UInt32(index) >> (bit + 1)) + mi.UInt32(seed) + mi.UInt32(bit * 0x9E3779B9 & 0xFFFFFFFF)
-        above = (above ^ (above >> 16)) * mi.UInt32(0x7FEB352D)
-        above = (above ^ (above >> 15)) * mi.UInt32(0x846CA68B)
+        above = ((mi.UInt32(index) >> (bit + 1)) + mi.UInt32(seed) + mi.UInt32(bit * 0x9E3779B9 & _WORD)) & _WORD
+        above = ((above ^ (above >> 16)) * mi.UInt32(0x7FEB352D)) & _WORD
+        above = ((above ^ (above >> 15)) * mi.UInt32(0x846CA68B)) & _WORD
         flip = (above >> 31) & 1
         result |= (((mi.UInt32(index) >> bit) & 1) ^ flip) << bit
     return result
