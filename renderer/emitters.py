@@ -106,26 +106,31 @@ def sample_light(
 
 
 def light_along(
-    mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, direction: Any, samples: int
-) -> tuple[Any, Any, Any]:
-    """What a ray from ``origin`` along the unit vector ``direction`` meets if nothing stands in between.
+    mi: Any, dr: Any, kind: Kind, light: dict[str, Any], origin: Any, direction: Any, samples: int, pdf: Any
+) -> tuple[Any, Any]:
+    """What a ray from ``origin`` along the unit vector ``direction``, found with density ``pdf``, meets if nothing is in between.
 
-    Radiance, the density with which ``sample_light``, in turns of ``samples``, finds it (per steradian; both 0 beside the
-    light), and the distance.
+    Radiance times the ray's share by the power heuristic against ``sample_light`` in turns of ``samples`` (0 beside the light),
+    and the distance to the farthest of what it meets: patches do not hide each other, there as here.
     """
     direction = turned(mi, dr, direction, -light["turn"] * light["tau"]) if "tau" in light else direction
     if not kind.patches:
-        hit = sees_disk(dr, light, direction)
         density = disk_density(dr, light)
-        return dr.select(hit, disk_weight(light) * density, 0.0), dr.select(hit, density, 0.0), mi.Float(dr.inf)
+        weighed = disk_weight(light) * density * power(pdf, density)
+        return dr.select(sees_disk(dr, light, direction), weighed, 0.0), mi.Float(dr.inf)
     origin = _at_middle(mi, dr, light, origin)
-    radiance, density, distance = mi.Float(0), mi.Float(0), mi.Float(dr.inf)
+    radiance, distance = mi.Float(0), mi.Float(0)
     for index in range(kind.patches):
         met, cosine, away = _meets(mi, dr, kind, light[str(index)], origin, direction)
-        radiance = dr.select(met, light["radiance"] * _beam(dr, light, cosine), radiance)
-        density = dr.select(met, kind.share(index, samples) * away * away / (cosine * light[str(index)]["area"]), density)
-        distance = dr.select(met, away, distance)
-    return radiance, density, distance
+        density = kind.share(index, samples) * away * away / (dr.maximum(cosine, 1e-6) * light[str(index)]["area"])
+        radiance += dr.select(met, light["radiance"] * _beam(dr, light, cosine) * power(pdf, density), 0.0)
+        distance = dr.select(met, dr.maximum(distance, away), distance)
+    return radiance, distance
+
+
+def power(chosen: Any, other: Any) -> Any:
+    """Power heuristic with exponent two (Veach 1997, eq. 9.14)."""
+    return chosen * chosen / (chosen * chosen + other * other)
 
 
 def _now(mi: Any, dr: Any, light: dict[str, Any], direction: Any) -> Any:

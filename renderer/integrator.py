@@ -11,7 +11,7 @@ from typing import Any
 
 import drjit as dr
 
-from renderer.emitters import Kind, Sample, light_along, sample_light
+from renderer.emitters import Kind, Sample, light_along, power, sample_light
 
 # Depth 6 in Mitsuba's count: the camera ray, then at most five scattering events; what lies beyond carries < 0.7 % of the
 # energy even among metals (measured).
@@ -50,7 +50,7 @@ def direct_layers(
     diffuse, specular = _lobes(mi, bsdf, si, wo, is_open)
     if in_lobe is not None:
         lobes = hit & is_narrow(mi, si, narrow)
-        specular = specular * dr.select(lobes, _power(to.density, bsdf.pdf(_mirror_like(mi), si, wo, is_open & lobes)), 1.0)
+        specular = specular * dr.select(lobes, power(to.density, bsdf.pdf(_mirror_like(mi), si, wo, is_open & lobes)), 1.0)
     layers = {"diffuse": diffuse * to.weight, "specular": specular * to.weight}
     if in_lobe is not None:
         layers["specular"] += _glint(mi, scene, bsdf, si, light, in_lobe, lobes, kind, turn[1])
@@ -108,14 +108,14 @@ def _glint(
     """Specular direct light found by sampling the mirror-like lobe: the other half of the power heuristic."""
     sample, value = bsdf.sample(_mirror_like(mi), si, 0.5, in_lobe, active)  # there is but one lobe to choose from
     direction = si.to_world(sample.wo)
-    radiance, density, distance = light_along(mi, dr, kind, light, si.p, direction, samples)
-    lucky = active & (density > 0) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
+    radiance, distance = light_along(mi, dr, kind, light, si.p, direction, samples, sample.pdf)
+    lucky = active & (radiance > 0) & (dr.dot(si.n, direction) > 0) & (sample.pdf > 0)
     if _is_off(lucky):
         return 0.0
     ray = si.spawn_ray(direction)
     ray.maxt = dr.minimum(ray.maxt, distance * (1 - _SHADOW_EPSILON))
     lucky = lucky & (scene.ray_test(ray, lucky) ^ True)
-    return dr.select(lucky, _first(value) * radiance * _power(sample.pdf, density), 0.0)
+    return dr.select(lucky, _first(value) * radiance, 0.0)
 
 
 def _towards(si: Any, to: Sample) -> Any:
@@ -136,11 +136,6 @@ def _mirror_like(mi: Any) -> Any:
     context = mi.BSDFContext()
     context.type_mask = mi.BSDFFlags.GlossyReflection
     return context
-
-
-def _power(chosen: Any, other: Any) -> Any:
-    """Power heuristic with exponent two (Veach 1997, eq. 9.14)."""
-    return chosen * chosen / (chosen * chosen + other * other)
 
 
 def _first(spectrum: Any) -> Any:

@@ -7,7 +7,9 @@ import numpy as np
 
 from renderer.masks import Light
 from renderer.photograph import Photograph, Photographer
+from renderer.photometry import photometry
 from renderer.quality import PRESETS, Preset
+from renderer.window import refuse_fast_spin
 from scenes.arrays import Floats
 from scenes.emitter import Patches
 from scenes.errors import UsageError
@@ -17,6 +19,7 @@ from scenes.solids import Solid, bounding_points, solids
 
 _TRIAL = Preset(1, 0, denoise_indirect=False)
 _TRIAL_FRAMES = 3
+_ENOUGH = 3  # frames that must all fail before a rendering is refused: one alone may be meant
 _LOOKS = 64  # frames whose geometry is looked at
 _ALL_OF_IT = 0.95  # of the pixels that the key light reaches; some at the silhouette hold little of the target
 # CPU seconds, measured with LLVM on one core of 2020s server hardware; other machines differ by a factor of two.
@@ -51,6 +54,7 @@ def plan(scenario: Scenario, frames: range) -> Plan:
     Raises ``UsageError`` naming the field: a light inside of the target, a rig that never has the target in both pictures, an
     exposure that saturates the target in every frame tried or leaves it without light.
     """
+    refuse_fast_spin(scenario)
     looks = [realize(scenario, scenario.seed, frame) for frame in _some(frames, _LOOKS)]
     refuse_lights_inside(scenario, looks)
     warnings = [*_unseen(scenario, looks)]
@@ -81,12 +85,13 @@ def _around(bodies: tuple[Solid, ...], places: Floats) -> Iterator[Solid]:
 
 
 def _unseen(scenario: Scenario, scenes: list[Scene]) -> Iterator[str]:
-    """For each rig: in how many frames its pictures do not both hold the whole target. Raises where none holds any of it."""
+    """For each rig: in how many frames its pictures do not both hold the whole target. Raises where no pair holds any of it."""
     points = bounding_points(scenario.target)
+    enough = len(scenes) >= _ENOUGH
     for name, rig in scenario.rigs.items():
         seen = np.array([[_share_seen(scenario, sensor, scene, points) for sensor in rig.sensors(name)] for scene in scenes])
         both = seen.min(axis=1)
-        if not both.any():
+        if enough and not both.any():
             raise UsageError(
                 f"rigs.{name}: in none of the {len(scenes)} frames looked at is the target in both pictures; "
                 f"look at toe_in_deg ({rig.toe_in_deg:g}), baseline_m ({rig.baseline_m:g}) and the motion's position"
@@ -97,25 +102,34 @@ def _unseen(scenario: Scenario, scenes: list[Scene]) -> Iterator[str]:
 
 
 def _share_seen(scenario: Scenario, sensor: str, scene: Scene, points_target: Floats) -> float:
-    """Share of points that enclose the target which fall into one camera's picture."""
+    """Which share of the box around the target's outline falls into one camera's picture; a box larger than that is cut too."""
     camera = scenario.sensors[sensor]
-    cam_from_target = camera.mount.chaser_from_cam.inv() * scene.chaser_from_target
-    pixels = camera.intrinsics.project(cam_from_target.apply(points_target))
+    points_cam = (camera.mount.chaser_from_cam.inv() * scene.chaser_from_target).apply(points_target)
+    before = points_cam[points_cam[:, 2] > 0]
+    if not len(before):
+        return 0.0
+    pixels = before[:, :2] / before[:, 2:] * [camera.intrinsics.fx_px, camera.intrinsics.fy_px]
+    pixels += [camera.intrinsics.cx_px, camera.intrinsics.cy_px]
+    low, high = pixels.min(axis=0), pixels.max(axis=0)
     size = np.array([camera.width_px, camera.height_px])
-    return float(np.mean(np.all((pixels >= -0.5) & (pixels < size - 0.5), axis=1)))
+    inside = np.clip(np.minimum(high, size - 0.5) - np.maximum(low, -0.5), 0, None)
+    return float(np.prod(inside / np.maximum(high - low, 1e-9)))
 
 
 def _exposure_faults(scenario: Scenario, name: str, tried: list[tuple[int, Photograph]]) -> Iterator[str]:
     """Warns of frames that are all white or all black. Raises where all are."""
-    field = f"{'cameras.' + name if name in scenario.cameras else 'rigs.' + name.rsplit('-', 1)[0] + '.camera'}.exposure"
-    black_dn = scenario.sensors[name].detector.black_level_dn
+    field = f"{scenario.field_of(name)}.exposure"
+    tried = [(frame, photo) for frame, photo in tried if (photo.layers["coverage"] > 0).any()]
+    brightest_dn = [_brightest_dn(scenario, name, photo) for _, photo in tried]
     faults = {
         "saturates all that is lit": [frame for frame, photo in tried if _is_white(photo)],
-        "gives the target no light that the camera could see": [frame for frame, photo in tried if _is_dark(photo, black_dn)],
+        "gives the target no light that the camera could see": [
+            frame for (frame, _), most_dn in zip(tried, brightest_dn) if most_dn < 1
+        ],
     }
     for what, found in faults.items():
         listed = ", ".join(str(frame) for frame in found)
-        if len(found) == len(tried):
+        if found and len(found) == len(tried) >= _ENOUGH:
             raise UsageError(f"{field}: {name} {what} in every frame tried ({listed}); change the exposure or the light")
         if found:
             yield f"{field}: {name} {what} in frame {listed}"
@@ -128,11 +142,12 @@ def _is_white(photo: Photograph) -> bool:
     return bool(lit.size) and float(np.mean((lit & np.uint32(Light.SATURATED)) > 0)) >= _ALL_OF_IT
 
 
-def _is_dark(photo: Photograph, black_dn: float) -> bool:
-    """Whether even the brightest hundredth of the target stays within one digital number of black."""
-    on_target = photo.layers["coverage"] > 0
-    pixels = photo.pixels[photo.window.slices][on_target]
-    return not pixels.size or float(np.percentile(pixels, 99)) < black_dn + 1
+def _brightest_dn(scenario: Scenario, name: str, photo: Photograph) -> float:
+    """How far above black the brightest hundredth of the target's pixels lies, without noise."""
+    camera, spectrum = scenario.sensors[name], scenario.lights[scenario.light_names[0]].spectrum
+    light = sum(photo.layers[layer] for layer in ("direct_diffuse", "direct_specular", "indirect"))
+    radiance = float(np.percentile(np.asarray(light)[photo.layers["coverage"] > 0], 99))
+    return radiance * photometry(camera, spectrum).electrons_per_radiance * photo.exposure_s * camera.detector.gain_dn_per_e
 
 
 def _cost_s(scenario: Scenario, name: str, covered_px: float) -> float:

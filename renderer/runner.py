@@ -41,6 +41,7 @@ class Runner:
         import mitsuba as mi
 
         frame, pixels = _device_constants(mi, constants), np.flatnonzero(worthwhile)
+        pixels = pixels if pixels.size else np.zeros(1, dtype=np.int64)  # one tells the layers' names and types
         rows = [kernel(mi, self._scene, frame, int(pixel), self.plan) for pixel in pixels]
         shapes = self._scene.shapes()
         for row in rows:

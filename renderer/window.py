@@ -64,8 +64,9 @@ def refuse_fast_spin(scenario: Scenario) -> None:
         turn_rad = rate_rad_s * longest_exposure_s(camera)
         if turn_rad > _LARGEST_TURN_RAD:
             raise UsageError(
-                f"cameras.{name}.exposure: the target turns by {np.degrees(turn_rad):.0f} deg within the longest exposure of "
-                f"{longest_exposure_s(camera):g} s, at most {np.degrees(_LARGEST_TURN_RAD):.0f} deg are rendered; shorten it"
+                f"{scenario.field_of(name)}.exposure: the target turns by {np.degrees(turn_rad):.0f} deg within the longest "
+                f"exposure of {longest_exposure_s(camera):g} s, at most {np.degrees(_LARGEST_TURN_RAD):.0f} deg are rendered; "
+                "shorten it"
             )
 
 

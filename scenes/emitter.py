@@ -57,7 +57,7 @@ class Patches:
     def irradiance_w_m2_nm(self, point_target: Floats) -> Floats:
         """Spectral irradiance at a point, on a surface that faces each patch, patches taken as points (far away)."""
         towards = np.asarray(point_target) - self.centres_target
-        square = np.sum(towards**2, axis=1)
+        square = np.maximum(np.sum(towards**2, axis=1), 1e-12)  # within a micrometre it is not far away anyway
         cosine = np.sum(self.normals_target * towards, axis=1) / np.sqrt(square)
         beam = beam_profile(cosine, self.inner_rad, self.outer_rad)
         return np.asarray(self.radiance_w_m2_sr_nm * float(np.sum(self.areas_m2 * np.maximum(cosine, 0) * beam / square)))
@@ -75,5 +75,6 @@ def beam_profile(cosine: Floats, inner_rad: float, outer_rad: float) -> Floats:
 
 def beam_solid_angle_sr(inner_rad: float, outer_rad: float) -> float:
     """∫ profile · cos θ dΩ over the hemisphere: flux of a flat area = radiance · area · this (π for a Lambertian one)."""
-    cosine = np.linspace(0.0, 1.0, 20_001)
+    lowest = math.cos(outer_rad)
+    cosine = np.linspace(lowest if lowest > 0.99 else 0.0, 1.0, 20_001)  # a narrow beam needs the grid for itself
     return float(2 * math.pi * np.trapezoid(beam_profile(cosine, inner_rad, outer_rad) * cosine, cosine))

@@ -4,14 +4,14 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from scenes.arrays import Floats, frozen, unit
 from scenes.draw import NonZeroVector3, PositiveScalar
 from scenes.emitter import beam_solid_angle_sr
 from scenes.incandescence import Ripple, planck_w_m2_sr_nm, share_per_nm
 from scenes.spec import Fraction, NonNegative, Positive, Spec, Vector3
-from scenes.spectrum import BAND_NM, Quantity, band_irradiance, on_band
+from scenes.spectrum import BAND_NM, NonNegativeQuantity, band_irradiance, on_band, sends_light
 
 Frame = Literal["chaser", "target"]
 Temperature = Annotated[float, Field(ge=800, le=20_000)]
@@ -101,7 +101,7 @@ class LightPanels(Spec):
     panels: Annotated[tuple[Panel, ...], Field(min_length=1, max_length=16)]
     flux_w: PositiveScalar
     temperature_k: Temperature = 4000.0
-    relative_spectrum: Quantity | None = None
+    relative_spectrum: Annotated[NonNegativeQuantity, AfterValidator(sends_light)] | None = None
 
     @property
     def spectrum(self) -> Floats:

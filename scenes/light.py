@@ -7,14 +7,14 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from scenes.arrays import Floats, frozen
 from scenes.constants import EARTH_RADIUS_M, SOLAR_CONSTANT_W_M2, SUN_HALF_ANGLE_DEG
 from scenes.draw import Direction, PositiveScalar, lowest_of
 from scenes.lamp import Frame, HalogenLamp, LightPanels
 from scenes.spec import Positive, Spec, kind_of
-from scenes.spectrum import BAND_NM, FractionQuantity, on_band
+from scenes.spectrum import BAND_NM, FractionQuantity, on_band, sends_light
 
 # ASTM E490-00a spectral irradiance at 1 au in W m-2 um-1, means over 20 nm about each wavelength.
 _SUN_NM = np.arange(300.0, 1101.0, 20.0)
@@ -71,7 +71,7 @@ class Earthshine(Spec):
     frame: Frame = "chaser"
     direction: Direction
     altitude_m: Positive = 500e3
-    albedo: FractionQuantity = 0.3
+    albedo: Annotated[FractionQuantity, AfterValidator(sends_light)] = 0.3
     sun_zenith_deg: Annotated[float, Field(ge=0, lt=90)] = 0.0
 
     @property

@@ -9,10 +9,13 @@ from scipy.spatial.transform import RigidTransform
 from scenes.arrays import Floats, frozen, unit
 from scenes.draw import Direction, direction, scalar
 from scenes.emitter import DistantDisk, Emitter, Patches
+from scenes.errors import UsageError
 from scenes.incandescence import Ripple
 from scenes.lamp import HalogenLamp, LightPanels
 from scenes.light import Earthshine, Light, Sun
 from scenes.provenance import stream
+
+_NEAREST_M = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +86,8 @@ def _lamp(name: str, lamp: HalogenLamp, chaser_from_target: RigidTransform, seed
     target_from_frame = chaser_from_target.inv() if lamp.frame == "chaser" else RigidTransform.identity()
     position = target_from_frame.apply(lamp.position_m)
     aim = np.zeros(3) if lamp.aim_m is None else target_from_frame.apply(lamp.aim_m)
+    if np.linalg.norm(aim - position) < _NEAREST_M:
+        raise UsageError(f"lights.{name}.position_m: in frame {frame} the lamp stands where it is aimed at, so it points nowhere")
     u, v = _across(aim - position, lamp.radius_m)
     power_w = scalar(lamp.power_w, stream(seed, frame, f"lights.{name}.power_w"))
     patch = Patches(position[None], u[None], v[None], True, frozen(lamp.spectrum * power_w), *lamp.angles_rad)
@@ -104,7 +109,7 @@ def _near(
 ) -> SceneLight:
     """A light at a finite distance, which must not be zero."""
     middle = patches.centre_target
-    towards = frozen(unit(middle)) if middle.any() else frozen([0.0, 0.0, 1.0])
+    towards = frozen(unit(middle)) if np.linalg.norm(middle) > _NEAREST_M else frozen([0.0, 0.0, 1.0])
     return SceneLight(
         name=name,
         fixed_to=frame,

@@ -98,6 +98,11 @@ class Scenario(Spec):
         pairs = [tuple(self._of_rig(name)) for name in self.rigs]
         return next((one if sensor == other else other for one, other in pairs if sensor in (one, other)), None)
 
+    def field_of(self, sensor: str) -> str:
+        """Where a person finds a camera in the scenario: ``cameras.nav``, or ``rigs.stereo.camera`` for both of a rig's."""
+        rig = next((name for name in self.rigs if sensor in self._of_rig(name)), None)
+        return f"cameras.{sensor}" if rig is None else f"rigs.{rig}.camera"
+
     def _of_rig(self, name: str) -> dict[str, Camera]:
         return self.rigs[name].sensors(name)
 

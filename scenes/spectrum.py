@@ -59,6 +59,13 @@ def _at_most_one(quantity: Quantity) -> Quantity:
     return quantity
 
 
+def sends_light(quantity: Quantity) -> Quantity:
+    """``quantity`` if it is above zero somewhere in the band. Raises ``ValueError``."""
+    if not on_band(quantity).any():
+        raise ValueError(f"is zero from {BAND_NM[0]:g} to {BAND_NM[-1]:g} nm: there would be no light")
+    return quantity
+
+
 NonNegativeQuantity = Annotated[Quantity, AfterValidator(_not_negative)]
 FractionQuantity = Annotated[Quantity, AfterValidator(_not_negative), AfterValidator(_at_most_one)]
 

@@ -199,6 +199,19 @@ def test_light_samples_and_lobe_samples_agree_under_a_large_panel(roughness: flo
     assert mean == pytest.approx(_light_samples_alone(studio), rel=0.01)
 
 
+@pytest.mark.parametrize("roughness", [0.005, 0.02])
+def test_panels_one_behind_the_other_add_up(roughness: float):
+    """They do not hide each other, whichever way the light is found."""
+    metal = {"type": "metal", "source": "test", "roughness": roughness, "n": 1.0, "k": 5.0}
+    panels = [{"centre_m": (0.0, 0.0, z), "facing": (0.0, 0.0, 1.0), "width_m": 1.0, "height_m": 1.0} for z in (7.0, 6.5)]
+    plate = [PLATE | {"material": metal}]
+    one, other, both = (
+        _radiance(_lit({"room": {"type": "panels", "flux_w": 30.0 * len(some), "panels": some}}, plate))
+        for some in (panels[:1], panels[1:], panels)
+    )
+    assert both == pytest.approx(one + other, rel=0.01)
+
+
 def _radiance_of(studio: Studio, seed: int) -> float:
     return float(direct(studio.session.radiance(studio.view(seed=seed))).mean())
 

@@ -63,8 +63,8 @@ def test_an_exposure_that_fails_in_every_frame_is_refused_by_name(exposure_s: fl
 
 
 def test_an_exposure_that_fails_in_some_frames_is_warned_about():
-    away = {"type": "spin", "position_m": (0, 0, 10), "velocity_m_s": (0, 0, 1000)}
-    found = plan(_case(motion=away), range(0, 5)).warnings
+    away = {"type": "spin", "position_m": (0, 0, 10), "velocity_m_s": (0, 0, 25)}
+    found = plan(_case(motion=away), range(5)).warnings
     assert any("gives the target no light that the camera could see in frame" in one for one in found)
 
 
@@ -84,3 +84,34 @@ def test_inside_is_where_the_triangles_fill_the_whole_sphere():
     found = np.array([is_inside(ball, place + np.array([1, 2, 3])) for place in places])
     assert np.array_equal(found[firm], radius[firm] < 1)
     assert 50 < found.sum() < 250
+
+
+def test_one_frame_alone_is_only_warned_about():
+    """A shard of a data set has to render what the whole renders."""
+    away = {"type": "spin", "position_m": (0, 0, 10), "velocity_m_s": (3.0, 0, 0)}
+    assert plan(_case(motion=away), range(4, 5)).warnings
+    dark = plan(_case(1e-7), range(1)).warnings
+    assert any("gives the target no light" in one for one in dark)
+
+
+def test_a_target_larger_than_the_pictures_is_seen():
+    near = plan(_case(motion=still(2.0), target={"parts": [box((4.0, 4.0, 1.0))]}), range(5))
+    assert any("does not hold the whole target" in one for one in near.warnings)
+
+
+def test_noise_is_not_taken_for_light():
+    noisy = {"detector": _EIGHT_BITS["detector"] | {"read_noise_e": 3000.0, "black_level_dn": 20}}
+    rig = {"type": "stereo", "baseline_m": 1.0, "camera": camera(96, 64, 200.0, 1e-7) | noisy}
+    with pytest.raises(UsageError, match="gives the target no light"):
+        plan(_case(rigs={"eyes": rig}), range(5))
+
+
+def test_a_spin_faster_than_the_blur_follows_is_refused_with_the_rigs_field():
+    fast = still(10.0, omega_target_deg_s=(0.0, 90_000.0, 0.0))
+    with pytest.raises(UsageError, match=r"rigs\.eyes\.camera\.exposure: the target turns"):
+        plan(_case(motion=fast), range(5))
+
+
+def test_a_lamp_that_stands_on_its_aim_is_a_sentence():
+    with pytest.raises(UsageError, match=r"lights\.lamp\.position_m: in frame 0 the lamp stands where it is aimed at"):
+        plan(_case(lights={"lamp": LAMP | {"position_m": (0.0, 0.0, 10.0)}}), range(5))
