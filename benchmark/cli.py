@@ -210,7 +210,10 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _failed(error: Exception, verb: str, arguments: list[str]) -> int:
     """Says in one sentence what went wrong and returns the exit status; with ``--debug`` the traceback goes first."""
-    from benchmark.failure import describe
+    from benchmark.failure import describe, is_interruption
+
+    if is_interruption(error):
+        return 130
 
     if "--debug" in arguments:
         import traceback

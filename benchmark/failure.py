@@ -20,6 +20,14 @@ def describe(error: Exception, verb: str, arguments: Sequence[str] = ()) -> tupl
     return f"internal error ({name}); please report it with the output of the same command with --debug", FAULT_FOUND
 
 
+def is_interruption(error: BaseException) -> bool:
+    """Whether Ctrl-C is at the bottom of ``error``: Dr.Jit wraps what is raised while it records a kernel."""
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, KeyboardInterrupt):
+        cause = cause.__cause__ or cause.__context__
+    return cause is not None
+
+
 def _usage(error: Any, verb: str, arguments: Sequence[str]) -> tuple[str, int]:
     if type(error).__name__ == "NoArgsIsHelpError":
         error.show()

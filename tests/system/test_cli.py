@@ -243,6 +243,23 @@ def test_ctrl_c_leaves_a_data_set_that_resume_finishes(tiny_scenario: Path, tmp_
     assert hardlight("verify", out, "--sample", 0).status == 0
 
 
+def test_ctrl_c_within_a_recorded_kernel_counts_too(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    """Dr.Jit raises a RuntimeError from it."""
+    from benchmark import cli, verbs
+
+    def wrapped(*_: object) -> None:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise RuntimeError("record(): error encountered while recording a frozen function") from error
+
+    monkeypatch.setattr(verbs, "render", wrapped)
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["render", "zhai2014-in-plane", "--out", "nowhere"])
+    assert ended.value.code == 130
+    assert "the same command with --resume goes on" in capsys.readouterr().err
+
+
 def test_debug_shows_the_traceback_and_its_absence_does_not(tmp_path: Path, hardlight: Callable[..., Any]) -> None:
     plain, full = hardlight("report", tmp_path), hardlight("report", tmp_path, "--debug")
     assert plain.status == full.status == 1
