@@ -59,7 +59,7 @@ def survey(scenario: Scenario, camera: Camera) -> Survey:
 def refuse_fast_spin(scenario: Scenario) -> None:
     """Raises ``UsageError`` where the target turns further within one exposure than the motion blur follows."""
     instants = (frame / scenario.rate_hz for frame in range(scenario.frame_count))
-    rate_rad_s = max(math.hypot(*scenario.motion.omega_target_rad_s(instant_s)) for instant_s in instants)
+    rate_rad_s = max(math.hypot(*scenario.trajectory.omega_target_rad_s(instant_s)) for instant_s in instants)
     for name, camera in scenario.sensors.items():
         turn_rad = rate_rad_s * longest_exposure_s(camera)
         if turn_rad > _LARGEST_TURN_RAD:
@@ -126,6 +126,6 @@ def outline_px(intrinsics: Intrinsics, normalised: Floats) -> Floats:
 
 def _swept(scenario: Scenario, camera: Camera, frame: int, points_target: Floats) -> list[Floats]:
     """``points_target`` in chaser axes when the shutter opens, halfway, and when it closes, at its longest."""
-    pose_at = partial(scenario.motion.chaser_from_target, frame=frame, seed=scenario.seed)
+    pose_at = partial(scenario.trajectory.chaser_from_target, frame=frame, seed=scenario.seed)
     instants = exposure_instants_s(frame / scenario.rate_hz, longest_exposure_s(camera))
     return [pose_at(instant_s).apply(points_target) for instant_s in instants]

@@ -24,12 +24,44 @@ class Image:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """One LIDAR scan in the order of its beams, (rows, columns) each; a beam without a return is NaN in all but its time.
+
+    ``points_lidar`` (rows, columns, 3) float32, metres, in LIDAR axes at each beam's own instant. ``intensity``: what the
+    receiver reports of the return's strength. ``time_s``: when each beam was fired, counted from the observation's time.
+    """
+
+    points_lidar: NDArray[np.float32]
+    intensity: NDArray[np.float32]
+    time_s: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChaserState:
+    """What the chaser's own navigation knows of itself at ``time_s``. Inertial axes are J2000's.
+
+    ``omega_chaser_rad_s``: the chaser's inertial angular velocity in its own axes.
+    """
+
+    time_s: float
+    inertial_from_chaser: Rotation
+    position_inertial_m: Floats
+    velocity_inertial_m_s: Floats
+    omega_chaser_rad_s: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """Everything that an estimator sees at one instant: its frame number, the time, the sensors' readings."""
+    """Everything that an estimator sees at one instant: its frame number, the time, the sensors' readings.
+
+    ``chaser``: where the scenario's motion is an orbit, the chaser's own state at ``time_s``.
+    """
 
     frame: int
     time_s: float
     images: Mapping[str, Image] = field(default_factory=lambda: MappingProxyType({}))
+    scans: Mapping[str, Scan] = field(default_factory=lambda: MappingProxyType({}))
+    chaser: ChaserState | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +71,33 @@ class SensorModel:
     intrinsics: Intrinsics
     black_dn: float
     white_dn: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LidarModel:
+    """What calibration says of a LIDAR: size of a scan, mount, stated 1σ of a good return, beam, window of ranges.
+
+    ``divergence_rad``: full angle of a beam. ``duration_s``: from the first beam of a scan to its last. ``delay_s``: by how much
+    the middle of a scan lies before the observation's time.
+    """
+
+    rows: int
+    columns: int
+    chaser_from_lidar: RigidTransform
+    range_sigma_m: float
+    divergence_rad: float
+    least_range_m: float
+    most_range_m: float
+    duration_s: float = 0.0
+    delay_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelCloud:
+    """The target's surface as points (n, 3) with outward unit normals (n, 3), target frame, evenly strewn."""
+
+    points_target: Floats
+    normals_target: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,13 +149,19 @@ class StereoPair:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Knowledge:
-    """Everything that an estimator is told in advance. It is printed beside its score."""
+    """Everything that an estimator is told in advance. It is printed beside its score.
+
+    ``sensors``: cameras; ``lidars``: LIDARs. A method that answers for a LIDAR and is told no ``model`` does not know the target's
+    frame: it answers in one of its own that stays fixed to the target, and the judge lays it over the true one once.
+    """
 
     sensors: Mapping[str, SensorModel]
     rectangle: Rectangle | None = None
     corner_prior: CornerPrior | None = None
     pair: StereoPair | None = None
     ring: Ring | None = None
+    lidars: Mapping[str, LidarModel] = field(default_factory=lambda: MappingProxyType({}))
+    model: ModelCloud | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

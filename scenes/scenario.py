@@ -10,11 +10,12 @@ from scipy.spatial.transform import RigidTransform
 from scenes.camera import Camera
 from scenes.config import load
 from scenes.errors import unknown
+from scenes.lidar import Lidar
 from scenes.light import Light
 from scenes.lighting import SceneLight, scene_light
 from scenes.motion import Motion
 from scenes.rig import StereoRig
-from scenes.spec import Positive, Spec, kind_of
+from scenes.spec import Positive, Spec, is_empty, kind_of
 from scenes.target import Target
 from scenes.wings import CubeWithWings
 
@@ -27,6 +28,7 @@ REFERENCES = {
     "cameras.*": "cameras",
     "rigs.*": "rigs",
     "rigs.*.camera": "cameras",
+    "lidars.*": "lidars",
     "lights.*": "lights",
 }
 MATERIAL_REFERENCES = {
@@ -60,22 +62,29 @@ class Scenario(Spec):
     target: AnyTarget
     cameras: dict[Name, Camera] = Field(default_factory=dict)
     rigs: dict[Name, StereoRig] = Field(default_factory=dict)
-    lights: Annotated[dict[Name, Light], Field(min_length=1, max_length=8)]
+    # Left out of the resolved text where there is none: data sets of scenarios without a LIDAR keep their digests.
+    lidars: dict[Name, Lidar] = Field(default_factory=dict, exclude_if=is_empty)
+    lights: Annotated[dict[Name, Light], Field(max_length=8)] = Field(default_factory=dict)
     key_light: Name | None = None
     motion: Motion
 
     @model_validator(mode="after")
     def _has_something_to_see_with(self) -> "Scenario":
-        if not self.cameras and not self.rigs:
-            raise ValueError("a scenario needs at least one entry under cameras or rigs")
+        if not self.cameras and not self.rigs and not self.lidars:
+            raise ValueError("a scenario needs at least one entry under cameras, rigs or lidars")
         for name in self.rigs:
             for sensor in self.rigs[name].sensors(name):
                 if sensor in self.cameras:
                     raise ValueError(f"rigs.{name} has a camera {sensor!r}, and so has cameras")
+        for name in self.lidars:
+            if name in self.sensors:
+                raise ValueError(f"lidars.{name}: a camera is called {name!r} too")
         return self
 
     @model_validator(mode="after")
     def _has_a_key_light(self) -> "Scenario":
+        if not self.lights and self.sensors:
+            raise ValueError("a scenario with a camera needs at least one entry under lights")
         if self.key_light is None and len(self.lights) > 1:
             raise ValueError(f"key_light must name the one of {', '.join(sorted(self.lights))} whose shadows the masks describe")
         if self.key_light is not None and self.key_light not in self.lights:
@@ -88,8 +97,15 @@ class Scenario(Spec):
         return {**self.cameras, **{sensor: camera for name in sorted(self.rigs) for sensor, camera in self._of_rig(name).items()}}
 
     @property
+    def trajectory(self) -> Motion:
+        """The motion as something that gives ``chaser_from_target`` at any time."""
+        return self.motion
+
+    @property
     def light_names(self) -> tuple[str, ...]:
-        """The key light, then the others by name. What is said of shadows is said of the first."""
+        """The key light, then the others by name. What is said of shadows is said of the first. None with LIDARs alone."""
+        if not self.lights:
+            return ()
         key = self.key_light or next(iter(self.lights))
         return (key, *sorted(self.lights.keys() - {key}))
 
@@ -130,13 +146,13 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
 def realize(scenario: Scenario, seed: int, frame: int) -> Scene:
     """One instant of ``scenario``: every draw made from the streams of (seed, frame)."""
     time_s = frame / scenario.rate_hz
-    pose = scenario.motion.chaser_from_target(time_s, frame, seed)
+    pose = scenario.trajectory.chaser_from_target(time_s, frame, seed)
     lights = tuple(scene_light(name, scenario.lights[name], pose, seed, frame) for name in scenario.light_names)
     return Scene(
         frame=frame,
         time_s=time_s,
         chaser_from_target=pose,
-        pose_at=lambda instant_s: scenario.motion.chaser_from_target(instant_s, frame, seed),
-        omega_target_rad_s=scenario.motion.omega_target_rad_s(time_s),
+        pose_at=lambda instant_s: scenario.trajectory.chaser_from_target(instant_s, frame, seed),
+        omega_target_rad_s=scenario.trajectory.omega_target_rad_s(time_s),
         lights=lights,
     )

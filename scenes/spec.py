@@ -17,6 +17,11 @@ class Spec(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=False, validate_default=True)
 
 
+def is_empty(value: object) -> bool:
+    """Whether a field is left at None or without entries; such fields stay out of a resolved scenario (``exclude_if``)."""
+    return not value
+
+
 def kind_of(default: str) -> Callable[[Any], str]:
     """Discriminator of a tagged union on ``type`` where a table without one means ``default``."""
 
