@@ -139,7 +139,7 @@ scenario_case("missing key", r"motion\.range_m: it is missing", "range_m = 100.0
 scenario_case("key given twice", r"tiny\.toml", "frame_count = 6", "frame_count = 6\nframe_count = 7")
 scenario_case(
     "no camera at all",
-    r"at least one entry under cameras or rigs",
+    r"at least one entry under cameras, rigs or lidars",
     '[cameras.nav]\nbase = "guppy-f125b"\nwidth_px = 640\nheight_px = 128',
     "[cameras]",
 )
