@@ -1,0 +1,74 @@
+"""Update with a registration: the pose that it measured against the pose that the state predicts, Song et al. 2017, eq. (25).
+
+l = l_A + R ρ + R_CH r, with R = lidar_from_target, and the chaser's centre of mass at l_A in LIDAR axes. The attitude's residual
+is the rotation vector log(R̂ᵀ R), which has no sign to choose and no singularity near the estimate.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import RigidTransform, Rotation
+
+from estimators.lidar_filter import tumble_filter_state as at
+from estimators.lidar_filter.chaser import inertial_from_lvlh
+from estimators.lidar_filter.rigid_body import cross_matrix, times
+from estimators.lidar_filter.tumble_filter_state import ALL, TumbleState
+from scenes.arrays import Floats
+from scenes.recording import ChaserState
+
+_EYE, _EYE_3 = np.eye(ALL), np.eye(3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """Where the LIDAR is at one instant: its axes, and the chaser's centre of mass in them."""
+
+    lidar_from_inertial: Rotation
+    lidar_from_lvlh: Floats
+    chaser_lidar_m: Floats
+
+    @staticmethod
+    def of(chaser: ChaserState, lidar_from_chaser: RigidTransform) -> "View":
+        """From the chaser's own state at that instant."""
+        turn = lidar_from_chaser.rotation * chaser.inertial_from_chaser.inv()
+        return View(turn, (turn * inertial_from_lvlh(chaser)).as_matrix(), lidar_from_chaser.translation)
+
+    def rotation(self, state: TumbleState) -> Rotation:
+        """lidar_from_target as the state has it."""
+        return self.lidar_from_inertial * state.inertial_from_target
+
+    def origin(self, state: TumbleState, rotation: Rotation) -> Floats:
+        """l (..., 3): the target's origin in LIDAR axes."""
+        return self.chaser_lidar_m + times(rotation.as_matrix(), state.offset_m) + times(self.lidar_from_lvlh, state.position_m)
+
+
+def sensitivity(lidar_from_target: Floats, lidar_from_lvlh: Floats, offset: Floats) -> Floats:
+    """H (..., 6, 26): derivatives of [rotation vector, l] by the errors, from matrices (..., 3, 3) and ρ (..., 3)."""
+    H = np.zeros((*offset.shape[:-1], 6, ALL))
+    H[..., :3, at.ATTITUDE] = H[..., :3, at.DRIFT_ATTITUDE] = H[..., 3:, at.DRIFT_POSITION] = _EYE_3
+    H[..., 3:, at.ATTITUDE] = -lidar_from_target @ cross_matrix(offset)
+    H[..., 3:, at.POSITION] = lidar_from_lvlh
+    H[..., 3:, at.OFFSET] = lidar_from_target
+    return H
+
+
+def updated(
+    state: TumbleState, view: View, measured: Rotation, origin_lidar: Floats, R: Floats, gate: float, least_moment: float
+) -> tuple[TumbleState, Floats]:
+    """The state after a measured pose with covariance ``R`` (6, 6), and its squared Mahalanobis length (...).
+
+    A measurement farther than ``gate`` changes nothing. Joseph's form of the covariance (Bucy & Joseph 1968).
+    """
+    rotation = view.rotation(state)
+    H = sensitivity(rotation.as_matrix(), view.lidar_from_lvlh, state.offset_m)
+    residual = np.concatenate([(rotation.inv() * measured).as_rotvec(), origin_lidar - view.origin(state, rotation)], axis=-1)
+    residual = residual - state.drift
+    P = state.covariance
+    cross = P @ H.swapaxes(-1, -2)
+    S_inverse = np.asarray(np.linalg.inv(H @ cross + R), dtype=np.float64)
+    nis = np.sum(residual * times(S_inverse, residual), axis=-1)
+    gain = cross @ S_inverse * (nis <= gate)[..., None, None]
+    keep = _EYE - gain @ H
+    P = keep @ P @ keep.swapaxes(-1, -2) + gain @ R @ gain.swapaxes(-1, -2)
+    P = (P + P.swapaxes(-1, -2)) / 2
+    return state.corrected(times(gain, residual), P, least_moment), nis
