@@ -23,7 +23,7 @@ from scenes.errors import DatasetError
 from scenes.exr import decode
 from scenes.features import Feature
 from scenes.provenance import sha256_of_bytes
-from scenes.recording import Image, Observation, SensorModel, StereoPair, Truth
+from scenes.recording import Image, LidarModel, Observation, SensorModel, StereoPair, Truth
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -70,6 +70,11 @@ class Dataset:
         where = self.path / "manifest.json"
         models = {name: sensor_model(entry, f"{where}: sensors.{name}") for name, entry in self.manifest.sensors.items()}
         return MappingProxyType(models)
+
+    @cached_property
+    def lidars(self) -> Mapping[str, LidarModel]:
+        """LIDAR → calibration."""
+        return MappingProxyType({})
 
     @cached_property
     def features(self) -> tuple[Feature, ...]:
