@@ -9,7 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from estimators.lidar_filter.relative_orbit import EARTH_GM_M3_S2, OrbitRates
-from scenes.arrays import Floats
+from estimators.lidar_filter.rigid_body import cross_matrix
+from scenes.arrays import Floats, unit
 from scenes.recording import ChaserState
 
 
@@ -48,14 +49,13 @@ def _two_body(state: Floats) -> Floats:
     return np.concatenate([state[3:], -EARTH_GM_M3_S2 / radius**3 * state[:3]])
 
 
-def inertial_from_lvlh(chaser: ChaserState) -> Rotation:
-    """Axes of the chaser's orbital frame; the inertial axes where there is no orbit."""
+def inertial_from_lvlh(chaser: ChaserState) -> Floats:
+    """Axes of the chaser's orbital frame as the columns of a matrix (3, 3); the inertial axes where there is no orbit."""
     if not has_orbit(chaser):
-        return Rotation.identity()
-    x = chaser.position_inertial_m / np.linalg.norm(chaser.position_inertial_m)
-    normal = np.cross(chaser.position_inertial_m, chaser.velocity_inertial_m_s)
-    z = normal / np.linalg.norm(normal)
-    return Rotation.from_matrix(np.stack([x, np.cross(z, x), z], axis=1))
+        return np.eye(3)
+    x = unit(chaser.position_inertial_m)
+    z = unit(cross_matrix(x) @ chaser.velocity_inertial_m_s)
+    return np.stack([x, cross_matrix(z) @ x, z], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

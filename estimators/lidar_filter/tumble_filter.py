@@ -31,7 +31,7 @@ class TumbleFilter:
 
     def __init__(self, chaser_from_lidar: RigidTransform, parameters: TumbleParameters | None = None) -> None:
         """``chaser_from_lidar``: the LIDAR's mount."""
-        self._lidar_from_chaser = chaser_from_lidar.inv()
+        self._mount = chaser_from_lidar.rotation, chaser_from_lidar.inv().translation
         self._parameters = parameters or TumbleParameters()
         gate = self._parameters.measurement.gate
         self._gate = float(chdtri(_DOF, 1 - gate)) if gate < 1 else np.inf
@@ -86,9 +86,9 @@ class TumbleFilter:
     def lidar_from_target(self, chaser: ChaserState) -> RigidTransform:
         """The pose expected at ``chaser.time_s``. The filter stays as it is."""
         state = predicted(self.state, chaser.time_s, ChaserOrbit.of(chaser), self._parameters, mean_only=True)
-        view = View.of(chaser, self._lidar_from_chaser)
-        rotation = view.rotation(state)
-        return RigidTransform.from_components(view.origin(state, rotation), rotation)
+        view = View.of(chaser, *self._mount)
+        rotation = view.inertial_from_lidar.inv() * state.inertial_from_target
+        return RigidTransform.from_components(view.origin(state, rotation.as_matrix()), rotation)
 
     def extras(self) -> dict[str, float]:
         """States and their 1σ as named numbers; none before the first measurement."""
@@ -103,7 +103,7 @@ class TumbleFilter:
         return fault(self.state) if self._now is not None else ""
 
     def _view(self, chaser: ChaserState, time_s: float) -> View:
-        return View.of(chaser_at(chaser, time_s), self._lidar_from_chaser)
+        return View.of(chaser_at(chaser, time_s), *self._mount)
 
 
 def _ignorance(parameters: TumbleParameters) -> Floats:
@@ -121,7 +121,7 @@ def begun(measurement: PoseMeasurement, view: View, parameters: TumbleParameters
     pose = measurement.lidar_from_target
     position = (pose.translation - view.chaser_lidar_m) @ view.lidar_from_lvlh
     zero, j, drift = (np.zeros((*position.shape[:-1], size)) for size in (3, 5, 6))
-    attitude = view.lidar_from_inertial.inv() * pose.rotation
+    attitude = view.inertial_from_lidar * pose.rotation
     return TumbleState(measurement.time_s, attitude, zero, j, position, zero, zero, drift, _ignorance(parameters))
 
 

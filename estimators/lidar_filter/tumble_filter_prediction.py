@@ -12,15 +12,14 @@ from scipy.spatial.transform import Rotation
 
 from estimators.lidar_filter import tumble_filter_state as at
 from estimators.lidar_filter.chaser import ChaserOrbit
-from estimators.lidar_filter.relative_orbit import OrbitRates, relative_jacobian
+from estimators.lidar_filter.relative_orbit import relative_jacobian
 from estimators.lidar_filter.rigid_body import angular_acceleration, angular_jacobians, cross_matrix, times, turned
 from estimators.lidar_filter.tumble_filter_parameters import TumbleParameters
-from estimators.lidar_filter.tumble_filter_state import ALL, STATES, TumbleState
+from estimators.lidar_filter.tumble_filter_state import STATES, TumbleState
 from scenes.arrays import Floats
-from scenes.inertia import inertia_of
 
-_NOISY = [*range(3, 6), *range(14, 17)]  # ω and v
-_EYE, _EYE_3 = np.eye(STATES), np.eye(3)
+_NOISY = np.array([*range(3, 6), *range(14, 17)])  # ω and v
+_EYE, _EYE_3, _EYE_6 = np.eye(STATES), np.eye(3), np.eye(6)
 _MOST_STEPS = 1000
 
 
@@ -30,54 +29,54 @@ def predicted(
     """The state at ``time_s``, also an earlier one with ``mean_only``, which leaves the covariance as it is."""
     span = time_s - state.time_s
     steps = _steps(abs(span), state.omega_rad_s, parameters)
+    if not steps:
+        return state
+    h, J, start_s = span / steps, state.J, state.time_s
+    inverse = np.asarray(np.linalg.inv(J), dtype=np.float64)
+    kept = exp(-h / parameters.measurement.drift_time_s)
     for index in range(steps):
-        h = span / steps
-        rates = orbit.rates_at(state.time_s + h / 2)
-        after = _moved(state, h, rates, parameters.measurement.drift_time_s)
-        covariance = state.covariance if mean_only else _spread(state, after, h, rates, parameters)
-        state = replace(after, covariance=covariance, time_s=time_s if index == steps - 1 else after.time_s)
-    return state
+        motion = relative_jacobian(orbit.rates_at(start_s + (index + 0.5) * h))
+        after = _moved(state, h, J, inverse, motion, kept)
+        if not mean_only:
+            F = error_matrix((state.omega_rad_s + after.omega_rad_s) / 2, J, inverse, motion)
+            after = replace(after, covariance=_spread(state.covariance, F, h, kept, parameters))
+        state = after
+    return replace(state, time_s=time_s)
 
 
 def _steps(span_s: float, omega: Floats, parameters: TumbleParameters) -> int:
     """How many steps a span is divided into; a filter that diverges shall not stop the clock."""
-    fastest = float(np.sqrt(np.max(np.sum(omega**2, axis=-1))))
+    fastest = float(np.sqrt((omega * omega).sum(axis=-1).max()))
     turns = min(fastest * span_s / parameters.longest_turn_rad, _MOST_STEPS) if np.isfinite(fastest) else 0.0
     return max(ceil(span_s / parameters.longest_step_s), ceil(turns))
 
 
-def _moved(state: TumbleState, h: float, rates: OrbitRates, drift_time_s: float) -> TumbleState:
-    """The mean after one step."""
-    J = state.J
-    inverse = _inverse(J)
+def _moved(state: TumbleState, h: float, J: Floats, inverse: Floats, motion: Floats, kept: float) -> TumbleState:
+    """The mean after one step, with the covariance of before."""
     omega, turn = turned(lambda value: angular_acceleration(value, J, inverse), state.omega_rad_s, h)
-    path = np.concatenate([state.position_m, state.velocity_m_s], axis=-1)
-    path = times(_series(relative_jacobian(rates) * h, np.eye(6)), path)
-    return replace(
-        state,
+    path = times(_series(motion * h, _EYE_6), np.concatenate([state.position_m, state.velocity_m_s], axis=-1))
+    return TumbleState(
         time_s=state.time_s + h,
         inertial_from_target=state.inertial_from_target * Rotation.from_rotvec(turn),
         omega_rad_s=omega,
+        inertia=state.inertia,
         position_m=path[..., :3],
         velocity_m_s=path[..., 3:],
-        drift=state.drift * exp(-h / drift_time_s),
+        offset_m=state.offset_m,
+        drift=state.drift * kept,
+        covariance=state.covariance,
     )
 
 
-def _inverse(J: Floats) -> Floats:
-    return np.asarray(np.linalg.inv(J), dtype=np.float64)
-
-
-def error_matrix(omega: Floats, inertia: Floats, rates: OrbitRates) -> Floats:
-    """F (..., 20, 20) of the errors' rates."""
-    J = inertia_of(inertia)
-    slope, by_inertia = angular_jacobians(omega, J, _inverse(J))
+def error_matrix(omega: Floats, J: Floats, inverse: Floats, motion: Floats) -> Floats:
+    """F (..., 20, 20) of the errors' rates, from ω, J and its inverse, and F_t (6, 6) of the relative motion."""
+    slope, by_inertia = angular_jacobians(omega, J, inverse)
     F = np.zeros((*omega.shape[:-1], STATES, STATES))
     F[..., at.ATTITUDE, at.ATTITUDE] = -cross_matrix(omega)
     F[..., at.ATTITUDE, at.OMEGA] = _EYE_3
     F[..., at.OMEGA, at.OMEGA] = slope
     F[..., at.OMEGA, at.INERTIA] = by_inertia
-    F[..., at.TRANSLATION, at.TRANSLATION] = relative_jacobian(rates)
+    F[..., at.TRANSLATION, at.TRANSLATION] = motion
     return F
 
 
@@ -89,21 +88,24 @@ def _series(step: Floats, eye: Floats) -> Floats:
     return value
 
 
-def _spread(before: TumbleState, after: TumbleState, h: float, rates: OrbitRates, parameters: TumbleParameters) -> Floats:
-    """Covariance after one step: Φ P Φᵀ + Q, with Q = ∫ Φ G Φᵀ by Simpson's rule for white accelerations of density G."""
-    F = error_matrix((before.omega_rad_s + after.omega_rad_s) / 2, before.inertia, rates)
-    noise, measurement = parameters.noise, parameters.measurement
-    root = np.sqrt([noise.rotation_rad2_s3] * 3 + [noise.translation_m2_s3] * 3)
-    whole, half = _series(F * h, _EYE), _series(F * (h / 2), _EYE)
-    early, middle = whole[..., _NOISY] * root, half[..., _NOISY] * root
-    Q = h / 6 * (early @ early.swapaxes(-1, -2) + 4 * (middle @ middle.swapaxes(-1, -2)))
-    Q[..., _NOISY, _NOISY] += h / 6 * root**2
-    kept = exp(-h / measurement.drift_time_s)
-    Phi = np.zeros((*Q.shape[:-2], ALL, ALL))
-    Phi[..., :STATES, :STATES] = whole
-    Phi[..., range(STATES, ALL), range(STATES, ALL)] = kept
-    P = Phi @ before.covariance @ Phi.swapaxes(-1, -2)
-    P[..., :STATES, :STATES] += Q
-    drift = np.repeat([measurement.drift_rad**2, measurement.drift_m**2], 3)
-    P[..., range(STATES, ALL), range(STATES, ALL)] += (1 - kept**2) * drift
-    return np.asarray(P)
+def _spread(P: Floats, F: Floats, h: float, kept: float, parameters: TumbleParameters) -> Floats:
+    """Covariance (..., 26, 26) after one step: Φ P Φᵀ + Q, and a drift that forgets all but the share ``kept``."""
+    half = _series(F * (h / 2), _EYE)
+    whole = half @ half
+    after, measurement = np.empty((*F.shape[:-2], at.ALL, at.ALL)), parameters.measurement
+    after[..., :STATES, :STATES] = whole @ P[..., :STATES, :STATES] @ whole.swapaxes(-1, -2) + _noise(whole, half, h, parameters)
+    after[..., :STATES, at.DRIFT] = across = kept * (whole @ P[..., :STATES, at.DRIFT])
+    after[..., at.DRIFT, :STATES] = across.swapaxes(-1, -2)
+    fresh = np.repeat([measurement.drift_rad**2, measurement.drift_m**2], 3)
+    after[..., at.DRIFT, at.DRIFT] = kept**2 * P[..., at.DRIFT, at.DRIFT] + (1 - kept**2) * np.diag(fresh)
+    return after
+
+
+def _noise(whole: Floats, half: Floats, h: float, parameters: TumbleParameters) -> Floats:
+    """Q (..., 20, 20) = ∫ Φ G Φᵀ of white accelerations with density G, by Simpson's rule."""
+    noise = parameters.noise
+    density = np.repeat([noise.rotation_rad2_s3, noise.translation_m2_s3], 3)
+    early, middle = whole[..., _NOISY], half[..., _NOISY]
+    Q = (h / 6 * density * early) @ early.swapaxes(-1, -2) + (2 * h / 3 * density * middle) @ middle.swapaxes(-1, -2)
+    Q[..., _NOISY, _NOISY] += h / 6 * density
+    return Q

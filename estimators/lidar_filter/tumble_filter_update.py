@@ -7,7 +7,7 @@ is the rotation vector log(R̂ᵀ R), which has no sign to choose and no singula
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import RigidTransform, Rotation
+from scipy.spatial.transform import Rotation
 
 from estimators.lidar_filter import tumble_filter_state as at
 from estimators.lidar_filter.chaser import inertial_from_lvlh
@@ -21,25 +21,27 @@ _EYE, _EYE_3 = np.eye(ALL), np.eye(3)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """Where the LIDAR is at one instant: its axes, and the chaser's centre of mass in them."""
+    """Where the LIDAR is at one instant: its axes, those of the orbital frame in them, and the chaser's centre of mass there."""
 
-    lidar_from_inertial: Rotation
+    inertial_from_lidar: Rotation
+    lidar_from_inertial: Floats
     lidar_from_lvlh: Floats
     chaser_lidar_m: Floats
 
     @staticmethod
-    def of(chaser: ChaserState, lidar_from_chaser: RigidTransform) -> "View":
-        """From the chaser's own state at that instant."""
-        turn = lidar_from_chaser.rotation * chaser.inertial_from_chaser.inv()
-        return View(turn, (turn * inertial_from_lvlh(chaser)).as_matrix(), lidar_from_chaser.translation)
+    def of(chaser: ChaserState, chaser_from_lidar: Rotation, chaser_lidar_m: Floats) -> "View":
+        """From the chaser's own state at that instant, the LIDAR's axes, and the chaser's centre of mass in them."""
+        turn = chaser.inertial_from_chaser * chaser_from_lidar
+        back = turn.as_matrix().T
+        return View(turn, back, back @ inertial_from_lvlh(chaser), chaser_lidar_m)
 
-    def rotation(self, state: TumbleState) -> Rotation:
-        """lidar_from_target as the state has it."""
-        return self.lidar_from_inertial * state.inertial_from_target
+    def rotation(self, state: TumbleState) -> Floats:
+        """lidar_from_target (..., 3, 3) as the state has it."""
+        return np.asarray(self.lidar_from_inertial @ state.inertial_from_target.as_matrix())
 
-    def origin(self, state: TumbleState, rotation: Rotation) -> Floats:
+    def origin(self, state: TumbleState, rotation: Floats) -> Floats:
         """l (..., 3): the target's origin in LIDAR axes."""
-        return self.chaser_lidar_m + times(rotation.as_matrix(), state.offset_m) + times(self.lidar_from_lvlh, state.position_m)
+        return self.chaser_lidar_m + times(rotation, state.offset_m) + times(self.lidar_from_lvlh, state.position_m)
 
 
 def sensitivity(lidar_from_target: Floats, lidar_from_lvlh: Floats, offset: Floats) -> Floats:
@@ -60,9 +62,9 @@ def updated(
     A measurement farther than ``gate`` changes nothing. Joseph's form of the covariance (Bucy & Joseph 1968).
     """
     rotation = view.rotation(state)
-    H = sensitivity(rotation.as_matrix(), view.lidar_from_lvlh, state.offset_m)
-    residual = np.concatenate([(rotation.inv() * measured).as_rotvec(), origin_lidar - view.origin(state, rotation)], axis=-1)
-    residual = residual - state.drift
+    H = sensitivity(rotation, view.lidar_from_lvlh, state.offset_m)
+    turn = state.inertial_from_target.inv() * (view.inertial_from_lidar * measured)
+    residual = np.concatenate([turn.as_rotvec(), origin_lidar - view.origin(state, rotation)], axis=-1) - state.drift
     P = state.covariance
     cross = P @ H.swapaxes(-1, -2)
     S_inverse = np.asarray(np.linalg.inv(H @ cross + R), dtype=np.float64)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from oracles import tumbling
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from estimators.lidar_filter.chaser import ChaserOrbit
@@ -12,6 +11,7 @@ from estimators.lidar_filter.tumble_filter import begun, stated
 from estimators.lidar_filter.tumble_filter_parameters import TumbleParameters
 from estimators.lidar_filter.tumble_filter_prediction import predicted
 from estimators.lidar_filter.tumble_filter_update import View, updated
+from oracles import tumbling
 from scenes.inertia import components_of, labelled_nearest
 
 PAPER = (0.02, 1.0)  # rad each axis and m: R of Song et al. 2017
@@ -78,7 +78,7 @@ def run(truth, seeds, parameters=None, sigma=PAPER, start=None, gate=np.inf, **m
     log, state = {"error": [], "nees": [], "nis": [], "J": []}, None
     for k, (rotation, origin) in enumerate(measured(truth, seeds, sigma, **more)):
         chaser = truth.chasers[k]
-        view = View.of(chaser, tumbling.MOUNT.inv())
+        view = View.of(chaser, Rotation.identity(), -tumbling.MOUNT.translation)
         if state is None:
             pose = RigidTransform.from_components(origin, rotation)
             state = begun(PoseMeasurement(chaser.time_s, pose, R), view, parameters)

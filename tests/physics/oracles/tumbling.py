@@ -23,7 +23,8 @@ OMEGA_BODY = np.array([0.02, 0.01, -0.015])
 CHASER_M, CHASER_M_S = np.array([6998450.0, 0, 0]), np.array([0, 7545.7, 131.7])
 RELATIVE_M, RELATIVE_M_S = np.array([30.0, 0, 60.0]), np.array([0, -0.0647, 0])
 MOUNT = RigidTransform.from_translation([0, 0, 2.0])
-J_TARGET = (lambda R: 3 * R.T @ np.diag(MOMENTS) @ R / MOMENTS.sum())(BODY_FROM_TARGET.as_matrix())
+AXES = BODY_FROM_TARGET.as_matrix()
+J_TARGET = 3 * AXES.T @ np.diag(MOMENTS) @ AXES / MOMENTS.sum()
 
 
 def lvlh_axes(position, velocity):
@@ -124,11 +125,10 @@ def quiet(duration_s=1000, step_s=1.0):
 
 def of_states(times, chaser, aimed_at, target, body):
     """A ``Truth`` from inertial states and the top's (K, ..., 12)."""
-    R_bt = BODY_FROM_TARGET.as_matrix()
     shape = (*target.shape[:-1], 3, 3)
     chaser_all = chaser.reshape(len(times), *[1] * (target.ndim - 2), 6)
     r, v = relative(chaser_all, target)
-    return Truth(times, chaser_states(times, chaser, aimed_at), body[..., :9].reshape(shape) @ R_bt, body[..., 9:] @ R_bt, r, v)
+    return Truth(times, chaser_states(times, chaser, aimed_at), body[..., :9].reshape(shape) @ AXES, body[..., 9:] @ AXES, r, v)
 
 
 @cache
