@@ -59,7 +59,7 @@ def survey(scenario: Scenario, camera: Camera) -> Survey:
 def refuse_fast_spin(scenario: Scenario) -> None:
     """Raises ``UsageError`` where the target turns further within one exposure than the motion blur follows."""
     instants = (frame / scenario.rate_hz for frame in range(scenario.frame_count))
-    rate_rad_s = max(math.hypot(*scenario.trajectory.omega_target_rad_s(instant_s)) for instant_s in instants)
+    rate_rad_s = max(math.hypot(*scenario.trajectory.omega_target_rad_s(instant_s, scenario.seed)) for instant_s in instants)
     for name, camera in scenario.sensors.items():
         turn_rad = rate_rad_s * longest_exposure_s(camera)
         if turn_rad > _LARGEST_TURN_RAD:

@@ -13,14 +13,28 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from scenes.arrays import frozen
 from scenes.draw import PositiveScalar, Scalar, scalar
+from scenes.orbit_motion import TumbleInOrbit
 from scenes.provenance import stream
+from scenes.recording import ChaserState
 from scenes.spec import Positive, Spec, Vector3
 
 # P_chaser = CHASER_FROM_PAPER · P_paper: right = Y, down = −Z, forward = −X.
 CHASER_FROM_PAPER = frozen([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
 
 
-class AxisSweep(Spec):
+class BeforeChaser(Spec):
+    """A motion of the target in chaser axes: the chaser is at rest, nothing is said of an orbit."""
+
+    def chaser_state(self, time_s: float, seed: int) -> ChaserState | None:  # noqa: ARG002
+        """None: its navigation has nothing to say."""
+        return None
+
+    def truth_columns(self, time_s: float, seed: int) -> dict[str, float]:  # noqa: ARG002
+        """The pose is all there is."""
+        return {}
+
+
+class AxisSweep(BeforeChaser):
     """The fly-around of Zhai et al. 2014, section 3: θ(t) = start + rate·t about one axis of the target, at a fixed range.
 
     Positive θ follows the paper's passive matrices, R_ct = R_axis(θ): the target turns by −θ in the right-hand sense.
@@ -42,13 +56,13 @@ class AxisSweep(Spec):
         rotation = Rotation.from_matrix(CHASER_FROM_PAPER) * paper_from_target
         return RigidTransform.from_components([0.0, 0.0, self.range_m], rotation)
 
-    def omega_target_rad_s(self, time_s: float) -> Vector3:  # noqa: ARG002
+    def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:  # noqa: ARG002
         """Angular velocity of the target against the chaser, in target axes: always the same."""
         rate = -math.radians(self.rate_deg_s)
         return tuple(rate if name == self.axis else 0.0 for name in "xyz")  # type: ignore[return-value]
 
 
-class Spin(Spec):
+class Spin(BeforeChaser):
     """Constant angular velocity from a start attitude, at a position that drifts at constant velocity (chaser axes)."""
 
     type: Literal["spin"]
@@ -63,13 +77,13 @@ class Spin(Spec):
         rotation = Rotation.from_rotvec(self.rotation_vector_deg, degrees=True) * turned
         return RigidTransform.from_components(np.asarray(self.position_m) + np.asarray(self.velocity_m_s) * time_s, rotation)
 
-    def omega_target_rad_s(self, time_s: float) -> Vector3:  # noqa: ARG002
+    def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:  # noqa: ARG002
         """Angular velocity of the target against the chaser, in target axes: always the same."""
         x, y, z = np.radians(self.omega_target_deg_s)
         return float(x), float(y), float(z)
 
 
-class NutationApproach(Spec):
+class NutationApproach(BeforeChaser):
     """A target that nutates while it comes nearer: its z axis goes round a cone, its origin drifts at constant velocity.
 
     R(t) = R₀ · R_z(φ) · R_x(ν) · R_z(s·t − φ) with φ = 2π t / period + phase (Euler's angles; Goldstein, section 4.4): R₀ is
@@ -93,7 +107,7 @@ class NutationApproach(Spec):
         rotation = Rotation.from_rotvec(self.rotation_vector_deg, degrees=True) * wobble
         return RigidTransform.from_components(np.asarray(self.position_m) + np.asarray(self.velocity_m_s) * time_s, rotation)
 
-    def omega_target_rad_s(self, time_s: float) -> Vector3:
+    def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:  # noqa: ARG002
         """Angular velocity of the target against the chaser, in target axes: φ̇ sin ν (sin ψ, cos ψ, 0) + (φ̇ cos ν + ψ̇) z.
 
         ψ = s·t − φ is the angle about z (Goldstein, eq. 4.87). Its length does not change.
@@ -109,7 +123,7 @@ class NutationApproach(Spec):
         return round_cone, math.radians(self.spin_deg_s) * time_s - round_cone
 
 
-class RandomViews(Spec):
+class RandomViews(BeforeChaser):
     """Independent views: attitude uniform over all rotations, range and off-boresight angles drawn for each frame."""
 
     type: Literal["random-views"]
@@ -126,9 +140,9 @@ class RandomViews(Spec):
         sight = np.array([math.tan(right), math.tan(down), 1.0])
         return RigidTransform.from_components(range_m * sight / np.linalg.norm(sight), attitude)
 
-    def omega_target_rad_s(self, time_s: float) -> Vector3:  # noqa: ARG002
+    def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:  # noqa: ARG002
         """Nothing moves within a view."""
         return 0.0, 0.0, 0.0
 
 
-Motion = Annotated[AxisSweep | Spin | NutationApproach | RandomViews, Field(discriminator="type")]
+Motion = Annotated[AxisSweep | Spin | NutationApproach | RandomViews | TumbleInOrbit, Field(discriminator="type")]

@@ -14,9 +14,13 @@ from scenes.lidar import Lidar
 from scenes.light import Light
 from scenes.lighting import SceneLight, scene_light
 from scenes.motion import Motion
+from scenes.orbit_motion import TumbleInOrbit
+from scenes.orbit_trajectory import bound
+from scenes.reframe import reframed
 from scenes.rig import StereoRig
 from scenes.spec import Positive, Spec, is_empty, kind_of
 from scenes.target import Target
+from scenes.trajectory import Trajectory
 from scenes.wings import CubeWithWings
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_-]{0,40}$")]
@@ -46,7 +50,7 @@ else:
     AnyTarget = Annotated[
         Annotated[Target, Tag("assembly")] | Annotated[CubeWithWings, Tag("cube-with-wings")],
         Discriminator(kind_of("assembly")),
-        AfterValidator(lambda target: target.assembled() if isinstance(target, CubeWithWings) else target),
+        AfterValidator(lambda target: target.assembled() if isinstance(target, CubeWithWings) else reframed(target)),
     ]
 
 
@@ -91,14 +95,23 @@ class Scenario(Spec):
             raise ValueError(f"key_light: {unknown('light', self.key_light, self.lights)}")
         return self
 
+    @model_validator(mode="after")
+    def _free_bodies_have_mass(self) -> "Scenario":
+        if isinstance(self.motion, TumbleInOrbit) and self.target.mass is None:
+            raise ValueError("motion: a tumble in orbit needs target.mass (principal_kg_m2, centre_of_mass_m), and there is none")
+        return self
+
     @property
     def sensors(self) -> dict[str, Camera]:
         """Every camera by the name of its pictures: single ones, and those of the rigs as ``<rig>-left``, ``<rig>-right``."""
         return {**self.cameras, **{sensor: camera for name in sorted(self.rigs) for sensor, camera in self._of_rig(name).items()}}
 
     @property
-    def trajectory(self) -> Motion:
-        """The motion as something that gives ``chaser_from_target`` at any time."""
+    def trajectory(self) -> Trajectory:
+        """The motion as something that gives ``chaser_from_target`` at any time, bound to the target where it needs to be."""
+        if isinstance(self.motion, TumbleInOrbit):
+            assert self.target.mass is not None  # see _free_bodies_have_mass
+            return bound(self.motion, self.target.mass)
         return self.motion
 
     @property
@@ -153,6 +166,6 @@ def realize(scenario: Scenario, seed: int, frame: int) -> Scene:
         time_s=time_s,
         chaser_from_target=pose,
         pose_at=lambda instant_s: scenario.trajectory.chaser_from_target(instant_s, frame, seed),
-        omega_target_rad_s=scenario.trajectory.omega_target_rad_s(time_s),
+        omega_target_rad_s=scenario.trajectory.omega_target_rad_s(time_s, seed),
         lights=lights,
     )

@@ -7,9 +7,11 @@ from pydantic import Field, model_validator
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from scenes.features import Feature
+from scenes.inertia import MassProperties
 from scenes.material import Material
+from scenes.reference_frame import ReferenceFrame
 from scenes.shapes import Shape
-from scenes.spec import Spec, Vector3
+from scenes.spec import Spec, Vector3, is_empty
 
 # Rotation groups under which a target looks the same; the judge takes the best element, one for a whole track.
 SymmetryGroup = Literal["none", "c2-x", "c2-y", "c2-z", "c4-x", "c4-y", "c4-z", "d2", "octahedral"]
@@ -31,7 +33,10 @@ class Part(Spec):
 
 
 class Target(Spec):
-    """A spacecraft as a list of parts. Its frame is the frame of every pose in this project."""
+    """A spacecraft or another body as a list of parts. Its frame is the frame of every pose in this project.
+
+    ``mass``: where the target falls freely. ``reference_frame``: where the target frame lies, if the rest is drawn in other axes.
+    """
 
     type: Literal["assembly"] = "assembly"
     description: str = ""
@@ -39,6 +44,8 @@ class Target(Spec):
     parts: Annotated[tuple[Part, ...], Field(min_length=1, max_length=4096)]
     features: tuple[Feature, ...] = ()
     symmetry: SymmetryGroup = "none"
+    mass: MassProperties | None = Field(default=None, exclude_if=is_empty)
+    reference_frame: ReferenceFrame | None = Field(default=None, exclude_if=is_empty)
 
     @model_validator(mode="after")
     def _names_are_unique(self) -> "Target":
