@@ -14,6 +14,7 @@ from scenes.arrays import Floats
 from scenes.emitter import Patches
 from scenes.errors import UsageError
 from scenes.inside import is_inside
+from scenes.quaternion import quaternion_notes
 from scenes.scenario import Scenario, Scene, realize
 from scenes.solids import Solid, bounding_points, solids
 
@@ -57,7 +58,7 @@ def plan(scenario: Scenario, frames: range) -> Plan:
     refuse_fast_spin(scenario)
     looks = [realize(scenario, scenario.seed, frame) for frame in _some(frames, _LOOKS)]
     refuse_lights_inside(scenario, looks)
-    warnings = [*_unseen(scenario, looks)]
+    warnings = [*quaternion_notes(scenario), *_unseen(scenario, looks)]
     cost_s, size = 0.0, 0.0
     for name in scenario.sensors:
         photographer = Photographer(scenario, name, _TRIAL)
