@@ -1,14 +1,15 @@
-"""The leaderboard: render or reuse each case's data set, let every method answer, judge, index. Tables and pages come after."""
+"""The leaderboard: render or reuse each case's data sets, let every method answer, judge, index. Tables and pages come after."""
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
-from benchmark import judge, results, run
-from benchmark.knowledge import declare
+from benchmark import results
+from benchmark.case import Case, CaseRun
+from benchmark.entries import Task, done_here, done_in_processes
 from benchmark.progress import Progress
 from benchmark.results import CaseHeading, Entry, Results
-from benchmark.suite import Case, Method, Suite
+from benchmark.suite import Suite
 from scenes.dataset import Dataset
 from scenes.errors import DatasetConflict
 from scenes.features import CircleFeature
@@ -26,36 +27,45 @@ def bench(suite: Suite, out: Path, *, workers: int = 1, quality: Quality | None 
     """Runs ``suite`` into ``out`` and returns its index, which is also written there as results.json.
 
     ``stages`` opens the progress of one stage by its title. Data sets already in ``out`` are reused where their digest
-    fits, else refused; answers and scores are always made anew.
+    fits, else refused; answers and scores are always made anew. ``workers`` processes render, then answer, an entry each.
     """
-    entries: list[Entry] = []
-    for case in suite.cases:
-        dataset = _dataset(suite, case, out / _DATASETS / case.name, workers, quality, stages)
-        entries += _entries(suite, case, dataset, out, stages)
+    runs = [(case, run) for case in suite.cases for run in case.runs]
+    tasks: list[Task] = []
+    for case, run in runs:
+        path = out / _DATASETS / run.name
+        _render(suite, case, run, path, workers, quality, stages)
+        tasks += _tasks(suite, case, run, path, out)
+    if workers == 1:
+        done_here(tasks, stages)
+    else:
+        done_in_processes(tasks, workers, stages)
     index = Results(
         title=suite.title,
         description=suite.description,
-        cases=tuple(CaseHeading(name=case.name, description=case.description) for case in suite.cases),
-        entries=tuple(entries),
+        cases=tuple(_heading(case, run) for case, run in runs),
+        entries=tuple(_entry(task, out) for task in tasks),
         published=suite.published,
         published_rings=suite.published_rings,
+        published_filters=suite.published_filters,
         notes=suite.notes,
     )
     results.write(out, index)
     return index
 
 
-def _dataset(suite: Suite, case: Case, path: Path, workers: int, quality: Quality | None, stages: Stages) -> Dataset:
-    """The case's data set: what the renderer resumes to the wanted frames, and has nothing to do where all are there."""
+def _render(
+    suite: Suite, case: Case, run: CaseRun, path: Path, workers: int, quality: Quality | None, stages: Stages
+) -> None:
+    """The run's data set: what the renderer resumes to the wanted frames, and has nothing to do where all are there."""
     from renderer.generate import generate
 
     frames = case.selected
-    with stages(f"render {case.name}: {len(frames)} frames") as progress:
+    with stages(f"render {run.name}: {len(frames)} frames") as progress:
         generate(
             case.scenario,
             path,
             frames=frames,
-            seed=case.seed,
+            seed=run.seed,
             workers=workers,
             resume=path.exists(),
             quality=quality or case.quality or suite.quality,
@@ -64,33 +74,46 @@ def _dataset(suite: Suite, case: Case, path: Path, workers: int, quality: Qualit
     dataset = Dataset.open(path)
     if list(dataset.frames) != list(frames):
         raise DatasetConflict(
-            f"{path} holds {len(dataset.frames)} frames and case {case.name!r} wants {len(frames)} ({case.frames}); "
+            f"{path} holds {len(dataset.frames)} frames and case {run.name!r} wants {len(frames)} ({case.frames}); "
             "choose another --out"
         )
-    return dataset
 
 
-def _entries(suite: Suite, case: Case, dataset: Dataset, out: Path, stages: Stages) -> Iterator[Entry]:
-    for feature in case.features:
+def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path) -> Iterator[Task]:
+    """Every method on every feature of one data set, or on its LIDAR."""
+    circles = {one.name for one in case.scenario.target.features if isinstance(one, CircleFeature)}
+    lidar = None if case.features else case.lidar or next(iter(case.scenario.lidars))
+    for feature in case.features or (None,):
         for title, method in suite.methods_of(case).items():
-            folder = out / _ENTRIES / case.name / feature / title
-            with stages(f"{title} on {case.name}, {feature}") as progress:
-                _answer_and_judge(dataset, case, feature, title, method, suite.prior_sigma_px, folder, progress)
-            yield Entry(
-                case=case.name,
+            yield Task(
+                run=run,
+                dataset=dataset,
                 feature=feature,
+                rig=case.rig if feature in circles else None,
+                lidar=lidar,
                 title=title,
-                dataset=dataset.path.relative_to(out).as_posix(),
-                answers=folder.relative_to(out).as_posix(),
-                scores=folder.relative_to(out).as_posix(),
+                method=method,
+                sigma_px=suite.prior_sigma_px,
+                settle_s=case.settle_s,
+                folder=out / _ENTRIES / run.name / (feature or lidar or "all") / title,
             )
 
 
-def _answer_and_judge(
-    dataset: Dataset, case: Case, feature: str, title: str, method: Method, sigma_px: float, folder: Path, progress: Progress | None
-) -> None:
-    circles = {one.name for one in dataset.features if isinstance(one, CircleFeature)}
-    rig = case.rig if feature in circles else None
-    declaration = declare(dataset, feature, sigma_px, grant_aspect=method.aspect, grant_radius=method.radius, rig=rig)
-    answers = run.estimate(method.estimator, method.parameters, dataset, declaration, folder, label=title, progress=progress)
-    judge.write(folder, judge.judge(answers, dataset, case.settle_s))
+def _heading(case: Case, run: CaseRun) -> CaseHeading:
+    return CaseHeading(name=run.name, description=case.description, base=_base(run), seed=run.seed if _base(run) else None)
+
+
+def _entry(task: Task, out: Path) -> Entry:
+    return Entry(
+        case=task.run.name,
+        feature=task.feature,
+        title=task.title,
+        dataset=task.dataset.relative_to(out).as_posix(),
+        answers=task.folder.relative_to(out).as_posix(),
+        scores=task.folder.relative_to(out).as_posix(),
+    )
+
+
+def _base(run: CaseRun) -> str | None:
+    """The case that a run is one seed of, None for a case's only run."""
+    return run.base if run.base != run.name else None

@@ -1,25 +1,29 @@
 """What every estimator must do, whoever wrote it: our own methods pass the same checks as a stranger's.
 
 ``faults`` takes a factory of fresh estimators and a recording (declared knowledge and successive observations) and returns one
-sentence for each broken promise: black pictures do not raise and are not answered, inputs stay as they were, the same input
+sentence for each broken promise: black pictures and scans without a return do not raise and are not answered (a filter may
+predict over them, once it has begun, and says so with the extra ``predicted`` = 1), inputs stay as they were, the same input
 gives the same output, every step gives an estimate that keeps its contract, and a re-labelled target frame turns the answer
-with it, and moves it where the method was told of a ring. Extras called ``cpu_...`` are times, which are never the same again.
+with it, and moves it where the method was told of a ring or a model. Extras called ``cpu_...`` are times, which are never the
+same again.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from benchmark.conformance_inputs import arrays, changed, moved_cloud, without_returns
 from estimators.api import Estimate, Estimator, Outcome
-from scenes.recording import Image, Knowledge, Observation
+from scenes.recording import Knowledge, Observation
 
 Factory = Callable[[], Estimator]
 RELABELLING = Rotation.from_euler("xyz", [20.0, -35.0, 50.0], degrees=True)
 SHIFT_M = (0.3, -0.2, 0.5)
 _SAME_RAD, _SAME_M = 1e-6, 1e-6
+# Methods thin clouds by cells along the axes of a frame, so that other axes choose other points: a fraction of one scan's noise.
+_SAME_CLOUD_RAD, _SAME_CLOUD_M = float(np.radians(0.5)), 0.05
 _TIMES = "cpu_"
 
 
@@ -56,7 +60,7 @@ def _contract(answers: Sequence[object], knowledge: Knowledge) -> Iterator[str]:
         if not isinstance(answer, Estimate):
             yield f"frame {number}: step returns {type(answer).__name__}, not an Estimate"
             return
-        if answer.sensor not in knowledge.sensors:
+        if answer.sensor not in {*knowledge.sensors, *knowledge.lidars}:
             yield f"frame {number}: it answers for the unknown sensor {answer.sensor!r}"
         if (answer.outcome is Outcome.OK) != (answer.sensor_from_target is not None):
             yield f"frame {number}: outcome {answer.outcome.value} and a pose {answer.sensor_from_target} contradict each other"
@@ -95,27 +99,34 @@ def _numbers(answer: Estimate) -> list[np.ndarray]:
 
 def _inputs_untouched(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> Iterator[str]:
     """Hands over writable copies, so that a method which writes succeeds and is found out."""
-    copies = [_with_pixels(observation, lambda pixels: pixels.copy()) for observation in observations]
-    _answers(make, knowledge, copies)
+    copies = [changed(observation, np.copy) for observation in observations]
+    model = None if knowledge.model is None else moved_cloud(knowledge.model, RigidTransform.identity())
+    _answers(make, replace(knowledge, model=model), copies)
     for observation, copy in zip(observations, copies, strict=True):
-        for name, image in observation.images.items():
-            if not np.array_equal(image.pixels, copy.images[name].pixels):
-                yield f"frame {observation.frame}: it writes into the picture of {name!r}"
+        for what, name, one, other in arrays(observation, copy):
+            if not np.array_equal(one, other, equal_nan=True):
+                yield f"frame {observation.frame}: it writes into the {what} of {name!r}"
                 return
+    if knowledge.model is not None and model is not None:
+        parts = ("points_target", "normals_target")
+        if not all(np.array_equal(getattr(knowledge.model, part), getattr(model, part)) for part in parts):
+            yield "it writes into the model that it is told"
 
 
 def _black(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> Iterator[str]:
-    """A black picture in the first frame, and one between good ones, must be failures that say so."""
+    """Black pictures and empty scans in the first frame, and between good ones, must be failures that say so, or predictions."""
     for place in (0, len(observations) // 2):
         recording = list(observations)
-        recording[place] = _with_pixels(observations[place], np.zeros_like)
+        recording[place] = changed(observations[place], np.zeros_like, without_returns)
+        what = f"{'a black picture' if observations[place].images else 'a scan without a return'} in frame {place}"
         answers, complaint = _answers(make, knowledge, recording)
         if complaint:
-            yield f"a black picture in frame {place}: {complaint}"
+            yield f"{what}: {complaint}"
         elif answers[place].outcome is Outcome.OK:
-            yield f"a black picture in frame {place} is answered with a pose"
+            if place == 0 or answers[place].extras.get("predicted") != 1.0:
+                yield f"{what} is answered with a pose"
         elif not answers[place].reason:
-            yield f"a black picture in frame {place} fails without a reason"
+            yield f"{what} fails without a reason"
 
 
 def _relabelled(
@@ -123,7 +134,8 @@ def _relabelled(
 ) -> Iterator[str]:
     """If the target's axes are called otherwise, p' = Q p, the same camera sees sensor_from_target' = sensor_from_target Q⁻¹.
 
-    A rectangle says nothing of the target's origin, so there Q is a rotation; a ring has a centre, so there it also shifts.
+    A rectangle says nothing of the target's origin, so there Q is a rotation; a ring has a centre and a model is made of places,
+    so there it also shifts.
     """
     told, relabelling = _told_otherwise(knowledge)
     if told is None:
@@ -133,7 +145,7 @@ def _relabelled(
         yield f"with a re-labelled target frame: {complaint}"
         return
     for number, (one, two) in enumerate(zip(first, turned, strict=True)):
-        fault = _fault_of_relabelling(one, two, relabelling, moves=knowledge.ring is not None)
+        fault = _fault_of_relabelling(one, two, relabelling, knowledge)
         if fault:
             yield f"frame {number}: a re-labelled target frame {fault}"
             return
@@ -145,6 +157,9 @@ def _told_otherwise(knowledge: Knowledge) -> tuple[Knowledge | None, RigidTransf
         relabelling = RigidTransform.from_components(SHIFT_M, RELABELLING)
         ring = replace(knowledge.ring, target_from_feature=relabelling * knowledge.ring.target_from_feature)
         return replace(knowledge, ring=ring), relabelling
+    if knowledge.model is not None:
+        relabelling = RigidTransform.from_components(SHIFT_M, RELABELLING)
+        return replace(knowledge, model=moved_cloud(knowledge.model, relabelling)), relabelling
     relabelling = RigidTransform.from_rotation(RELABELLING)
     if knowledge.rectangle is None:
         return None, relabelling
@@ -152,22 +167,19 @@ def _told_otherwise(knowledge: Knowledge) -> tuple[Knowledge | None, RigidTransf
     return replace(knowledge, rectangle=rectangle), relabelling
 
 
-def _fault_of_relabelling(one: Estimate, two: Estimate, relabelling: RigidTransform, moves: bool) -> str:
+def _fault_of_relabelling(one: Estimate, two: Estimate, relabelling: RigidTransform, knowledge: Knowledge) -> str:
     """What is wrong with the answer ``two`` in the other axes; empty if it is ``one``, relabelled."""
     if (one.sensor_from_target is None) != (two.sensor_from_target is None):
         return f"changes the outcome to {two.outcome.value}"
     if one.sensor_from_target is None or two.sensor_from_target is None:
         return ""
+    same_rad, same_m = (_SAME_RAD, _SAME_M) if knowledge.model is None else (_SAME_CLOUD_RAD, _SAME_CLOUD_M)
     off_rad = float((one.sensor_from_target.inv() * two.sensor_from_target * relabelling.rotation).magnitude())
-    if off_rad > _SAME_RAD:
+    if off_rad > same_rad:
         return f"turns the answer by {np.degrees(off_rad):.3g}° too much"
+    moves = knowledge.ring is not None or knowledge.model is not None
     if not moves or one.translation_m is None or two.translation_m is None:
         return ""
     origin_m = one.translation_m + one.sensor_from_target.apply(relabelling.inv().translation)
     off_m = float(np.linalg.norm(two.translation_m - origin_m))
-    return f"leaves the answer {off_m:.3g} m from where it should be" if off_m > _SAME_M else ""
-
-
-def _with_pixels(observation: Observation, change: Callable[[np.ndarray], np.ndarray]) -> Observation:
-    images = {name: Image(change(image.pixels)) for name, image in observation.images.items()}
-    return replace(observation, images=MappingProxyType(images))
+    return f"leaves the answer {off_m:.3g} m from where it should be" if off_m > same_m else ""

@@ -14,22 +14,20 @@ from benchmark import ring_scores, symmetry
 from benchmark.angles import angle_of_axis
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
+from benchmark.filter_summary import FilterSummary
+from benchmark.filter_track import filter_track
 from benchmark.pose_errors import attitude_errors, position_errors
 from benchmark.predictions import Predictions, positions
 from benchmark.records import KnowledgeRecord
 from benchmark.ring_subject import LABELLING, RingSubject, subject_of
 from benchmark.ring_summary import ring_summary
+from benchmark.score_table import extras_of, opened
 from benchmark.summary import Summary, figures
 from scenes.dataset import Dataset
 from scenes.errors import unknown
 from scenes.features import RectangleFeature
 
 SCORES, SUMMARY = "scores.parquet", "summary.json"
-# What the truth table says of a frame's light and view; kept beside the errors so that studies can ask what drove them.
-_CONDITIONS = (
-    "time_s", "range_m", "phase_angle_deg", "visible_fraction", "lit_fraction", "shadow_fraction", "specular_fraction",
-    "saturated_fraction",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +36,15 @@ class Judgement:
 
     scores: pd.DataFrame
     summaries: tuple[Summary, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Track:
+    """One sensor's answers, scored."""
+
+    scores: pd.DataFrame
+    switches: int
+    filter: FilterSummary | None = None
 
 
 def judge(predictions: Predictions, dataset: Dataset, settle_s: float = 0.0) -> Judgement:
@@ -52,12 +59,13 @@ def judge(predictions: Predictions, dataset: Dataset, settle_s: float = 0.0) -> 
     group = LABELLING if ring is not None else symmetry_of(knowledge, scenario)
     tables, summaries = [], []
     for sensor in dict.fromkeys(predictions.table["sensor"]):
-        scores, switches = _track(predictions, dataset, str(sensor), group, ring)
+        track = _track(predictions, dataset, str(sensor), group, ring)
+        scores = track.scores
         settled = scores[scores["time_s"] >= scores["time_s"].min() + settle_s]
         if settled.empty:
             raise PredictionsError(f"the first {settle_s:g} s are not judged, and {dataset.path} has no frame after them")
-        fields = figures(settled, swept) | {"label_switches": switches, "symmetry": group, "sensor": sensor}
-        fields |= {"settle_s": settle_s}
+        fields = figures(settled, swept) | {"label_switches": track.switches, "symmetry": group, "sensor": sensor}
+        fields |= {"settle_s": settle_s, "filter": track.filter}
         if ring is not None:
             fields |= _of_ring(settled)
         tables.append(scores)
@@ -80,9 +88,10 @@ def refuse_strangers(predictions: Predictions, dataset: Dataset) -> None:
     strange = set(predictions.table["frame"]) - set(dataset.frames)
     if strange:
         raise PredictionsError(f"the predictions answer frame {min(strange)}, which {dataset.path} does not have")
+    known = {*dataset.sensors, *dataset.lidars}
     for sensor in dict.fromkeys(predictions.table["sensor"]):
-        if sensor not in dataset.sensors:
-            raise PredictionsError(f"the predictions: {unknown('sensor', str(sensor), dataset.sensors)}")
+        if sensor not in known:
+            raise PredictionsError(f"the predictions: {unknown('sensor', str(sensor), known)}")
     if predictions.table.empty:
         raise PredictionsError("the predictions have no line; a method answers every frame, if only with 'skipped'")
 
@@ -100,35 +109,22 @@ def swept_angle(scenario: Mapping[str, Any]) -> str | None:
     return angle_of_axis(motion["axis"]) if motion.get("type") == "axis-sweep" else None
 
 
-def _track(
-    predictions: Predictions, dataset: Dataset, sensor: str, group: str, ring: RingSubject | None
-) -> tuple[pd.DataFrame, int]:
-    """The score rows of one sensor, and how often the labelling changed."""
-    truth = dataset.truth_table()
-    truth = truth[truth["sensor"] == sensor].set_index("frame").sort_index()
-    table = _in_order(predictions.table, sensor, truth.index)
-    table["outcome"] = outcome = table["outcome"].fillna("skipped")
-    answered = (outcome == "ok").to_numpy()
-    scores = pd.DataFrame({"frame": truth.index, "sensor": sensor, "method": predictions.record.title})
-    scores["outcome"] = outcome.to_numpy()
-    scores[["cpu_s", "wall_s"]] = table[["cpu_s", "wall_s"]].to_numpy(dtype=np.float64)
-    for name in _CONDITIONS:
-        scores[name] = truth[name].to_numpy() if name in truth else np.nan
+def _track(predictions: Predictions, dataset: Dataset, sensor: str, group: str, ring: RingSubject | None) -> _Track:
+    """The score rows of one sensor, how often the labelling changed, and of a LIDAR what the states come to."""
+    if sensor in dataset.lidars:
+        return _Track(*filter_track(predictions, dataset, sensor, group))
+    truth, table, scores = opened(predictions, dataset, sensor)
+    answered = (table["outcome"] == "ok").to_numpy()
     labels = _labels(predictions, dataset, group) if ring is None else ring.labels
     elements = symmetry.group(group) if ring is None else ring.labels
     errors, switches = attitude_errors(truth, table, answered, elements, labels)
     true_m, given_m = (positions(one) if ring is None else ring.centres(one) for one in (truth, table))
     scores = scores.assign(**errors, **position_errors(true_m, given_m, errors["speed_rotation"]))
     if ring is None:
-        return scores, switches
-    extras = None if predictions.extras is None else _in_order(predictions.extras, sensor, truth.index)
+        return _Track(scores, switches)
+    extras = None if predictions.extras is None else extras_of(predictions, sensor, truth.index)
     scores = scores.assign(**ring_scores.columns(ring, dataset, truth, table, extras))
-    return scores.assign(wrong=ring_scores.wrong(scores)), switches
-
-
-def _in_order(table: pd.DataFrame, sensor: str, frames: pd.Index) -> pd.DataFrame:
-    """The rows of one sensor, one for each of ``frames``."""
-    return table[table["sensor"] == sensor].set_index("frame").reindex(frames)
+    return _Track(scores.assign(wrong=ring_scores.wrong(scores)), switches)
 
 
 def _of_ring(settled: pd.DataFrame) -> dict[str, object]:

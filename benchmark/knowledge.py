@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from benchmark.records import CornerPriorRecord, KnowledgeRecord, PairRecord
+from benchmark.model_cloud import digest, model_cloud
+from benchmark.records import CornerPriorRecord, KnowledgeRecord, ModelRecord, PairRecord
 from scenes.arrays import Floats, frozen
 from scenes.dataset import Dataset
 from scenes.errors import UsageError, unknown
@@ -17,6 +18,7 @@ from scenes.features import CircleFeature, MarkerFeature, RectangleFeature
 from scenes.intrinsics import Intrinsics
 from scenes.provenance import stream
 from scenes.recording import CornerPrior, Knowledge, Rectangle, Ring, StereoPair
+from scenes.target import Target
 
 PRIOR_SIGMA_PX = 3.0
 
@@ -37,15 +39,22 @@ def declare(
     frame: int | None = None,
     grant_radius: bool = False,
     rig: str | None = None,
+    lidar: str | None = None,
+    grant_model: bool = False,
 ) -> Declaration:
     """Calibration of every sensor, and the feature ``feature_name``: a rectangle, or a circle, which two cameras measure.
 
     Of a rectangle: its corner pixels in ``frame`` (default: the first); ``grant_aspect`` adds L/W. Of a circle: the stereo rig
     ``rig``, which needs no name where there is one; ``grant_radius`` adds the radius. Markers are not told of. A data set whose
-    target has one rectangle or circle needs no name. Raises ``UsageError`` for an unknown feature or rig, for a rectangle whose
-    four corners nobody could click in that frame (behind the camera, outside the picture, or on a side that is turned away),
-    and for a circle without a rig.
+    target has one rectangle or circle needs no name. Of a data set without cameras, or where ``lidar`` names one of several
+    LIDARs, nothing is told of the target, but with ``grant_model`` a cloud of its surface. Raises ``UsageError`` for an unknown
+    feature, rig or LIDAR, for a rectangle whose four corners nobody could click in that frame (behind the camera, outside the
+    picture, or on a side that is turned away), for a circle without a rig, and for a model that no LIDAR could use.
     """
+    if lidar is not None or (dataset.lidars and not dataset.sensors):
+        return _of_lidar(dataset, feature_name, lidar, grant_model)
+    if grant_model:
+        raise UsageError("a model of the target is told to methods for a LIDAR; name one with --lidar, where the data set has one")
     if not 0 <= sigma_px < np.inf:
         raise UsageError(f"the corner prior's sigma is {sigma_px} px; it must be a finite number, at least 0")
     feature = _feature(dataset, feature_name)
@@ -55,9 +64,22 @@ def declare(
         named = "without a feature" if feature is None else f"with the rectangle {feature.name!r}"
         raise UsageError(f"a stereo rig is told of with a circle, not {named}")
     if feature is None:
-        sensors = dict(dataset.sensors)
-        return Declaration(Knowledge(sensors), KnowledgeRecord(sensors=tuple(sensors)))
+        sensors, lidars = dict(dataset.sensors), dict(dataset.lidars)
+        return Declaration(Knowledge(sensors, lidars=lidars), KnowledgeRecord(sensors=tuple(sensors), lidars=tuple(lidars)))
     return _of_rectangle(dataset, feature, sigma_px, grant_aspect, dataset.frames[0] if frame is None else frame)
+
+
+def _of_lidar(dataset: Dataset, feature_name: str | None, name: str | None, grant_model: bool) -> Declaration:
+    """The one LIDAR that a method is to answer for, or all where none is named."""
+    if feature_name is not None:
+        raise UsageError(f"feature {feature_name!r} is told of to methods for cameras, not for a LIDAR")
+    if name is not None and name not in dataset.lidars:
+        raise UsageError(f"{dataset.path}: {unknown('LIDAR', name, dataset.lidars)}")
+    sensors, lidars = dict(dataset.sensors), {key: one for key, one in dataset.lidars.items() if name in (None, key)}
+    model = model_cloud(Target.model_validate(dataset.scenario["target"])) if grant_model else None
+    told = None if model is None else ModelRecord(points=len(model.points_target), digest=digest(model))
+    record = KnowledgeRecord(sensors=tuple(sensors), lidars=tuple(lidars), model=told)
+    return Declaration(Knowledge(sensors, lidars=lidars, model=model), record)
 
 
 def _of_rectangle(
@@ -75,8 +97,9 @@ def _of_rectangle(
         free_standing=feature.free_standing,
         aspect=aspect,
         corner_prior=CornerPriorRecord(sensor=sensor, frame=first, corners_px=prior.corners_px.tolist(), sigma_px=sigma_px),
+        lidars=tuple(dataset.lidars),
     )
-    return Declaration(Knowledge(sensors, rectangle, prior), record)
+    return Declaration(Knowledge(sensors, rectangle, prior, lidars=dict(dataset.lidars)), record)
 
 
 def _of_ring(dataset: Dataset, feature: CircleFeature, grant_radius: bool, rig: str | None) -> Declaration:
@@ -88,8 +111,10 @@ def _of_ring(dataset: Dataset, feature: CircleFeature, grant_radius: bool, rig: 
         feature=feature.name,
         pair=PairRecord(left=pair.left, right=pair.right),
         radius_m=radius_m,
+        lidars=tuple(dataset.lidars),
     )
-    return Declaration(Knowledge(sensors, pair=pair, ring=Ring(feature.name, feature.target_from_feature, radius_m)), record)
+    ring = Ring(feature.name, feature.target_from_feature, radius_m)
+    return Declaration(Knowledge(sensors, pair=pair, ring=ring, lidars=dict(dataset.lidars)), record)
 
 
 def _pair(dataset: Dataset, feature: CircleFeature, name: str | None) -> StereoPair:

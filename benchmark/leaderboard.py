@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmark import results
+from benchmark import filter_cells, results
 from benchmark.figure import Figure
 from benchmark.results import Entry, Results
 from benchmark.ring_summary import RingSummary, ThreeFigures
@@ -64,6 +64,8 @@ def cells(summary: Summary) -> dict[str, str]:
     """The texts of one row. Angles in degrees; an em dash where there is nothing to say."""
     if summary.ring is not None:
         return ring_cells(summary, summary.ring)
+    if summary.filter is not None:
+        return filter_cells.of_summary(summary, summary.filter)
     swept = summary.swept
     return {
         "method": summary.title,

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from scenes.spec import NonNegative, Spec
+from scenes.spec import NonNegative, Spec, is_empty
 
 Pixel = tuple[float, float]
 
@@ -25,10 +25,18 @@ class PairRecord(Spec):
     right: str
 
 
+class ModelRecord(Spec):
+    """The cloud of a target's surface that a method was told: its size, and a digest of its points and normals."""
+
+    points: int
+    digest: str
+
+
 class KnowledgeRecord(Spec):
     """Everything a method was told in advance; the leaderboard prints it.
 
     ``feature``: the name of what it was told of, a rectangle or, where ``pair`` is there, a ring that these two cameras measure.
+    ``sensors`` are cameras, ``lidars`` LIDARs.
     """
 
     sensors: tuple[str, ...]
@@ -39,6 +47,8 @@ class KnowledgeRecord(Spec):
     corner_prior: CornerPriorRecord | None = None
     pair: PairRecord | None = None
     radius_m: float | None = None
+    lidars: Annotated[tuple[str, ...], Field(exclude_if=is_empty)] = ()
+    model: Annotated[ModelRecord | None, Field(exclude_if=is_empty)] = None
 
     def sentence(self) -> str:
         """The declaration as a person reads it."""
@@ -60,6 +70,8 @@ class KnowledgeRecord(Spec):
             told.append(f"its aspect ratio {self.aspect:.3g}")
         if self.radius_m is not None:
             told.append(f"its radius {self.radius_m:.4g} m")
+        if self.model is not None:
+            told.append(f"the target's surface as {self.model.points} points")
         if self.corner_prior is not None:
             told.append(f"its 4 corner pixels in the first frame (σ {self.corner_prior.sigma_px:g} px)")
         return told

@@ -9,7 +9,8 @@ from pydantic import ValidationError
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
 from benchmark.judge import SUMMARY
-from benchmark.suite import Note, Published, PublishedRing
+from benchmark.published import Published, PublishedFilter, PublishedRing
+from benchmark.suite import Note
 from benchmark.summary import Summary
 from scenes.spec import Spec
 
@@ -28,10 +29,12 @@ class Entry(Spec):
 
 
 class CaseHeading(Spec):
-    """What a case is about, in a line."""
+    """What a case is about, in a line. Of a case that is run with several seeds, ``base`` is the case's name."""
 
     name: str
     description: str = ""
+    base: str | None = None
+    seed: int | None = None
 
 
 class Results(Spec):
@@ -45,7 +48,13 @@ class Results(Spec):
     entries: tuple[Entry, ...]
     published: tuple[Published, ...] = ()
     published_rings: tuple[PublishedRing, ...] = ()
+    published_filters: tuple[PublishedFilter, ...] = ()
     notes: tuple[Note, ...] = ()
+
+    @property
+    def bases(self) -> dict[str, str]:
+        """Of the cases that are one seed of another case: their name → that case's."""
+        return {case.name: case.base for case in self.cases if case.base is not None}
 
 
 def write(folder: Path, results: Results) -> None:

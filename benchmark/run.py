@@ -65,7 +65,7 @@ def answer(
 
     So is an attempt to end the process (sys.exit); Ctrl-C is the user's and goes through.
     """
-    sensor, opening = next(iter(knowledge.sensors)) if knowledge.pair is None else knowledge.pair.left, Stopwatch()
+    sensor, opening = booked_under(knowledge), Stopwatch()
     broken = _start(estimator, knowledge, opening)
     rows, extras = [], []
     for done, frame in enumerate(dataset.frames, start=1):
@@ -78,6 +78,15 @@ def answer(
             progress(done, len(dataset.frames))
     timed = record.model_copy(update={"start_cpu_s": opening.cpu_s, "start_wall_s": opening.wall_s})
     return Predictions(timed, pd.DataFrame(rows, columns=list(COLUMNS)), pd.DataFrame(extras))
+
+
+def booked_under(knowledge: Knowledge) -> str:
+    """The sensor that a crash counts for: a rig's left camera, the first camera, or the first LIDAR where no feature is told of."""
+    if knowledge.pair is not None:
+        return knowledge.pair.left
+    if knowledge.lidars and (knowledge.rectangle is None or not knowledge.sensors):
+        return next(iter(knowledge.lidars))
+    return next(iter(knowledge.sensors))
 
 
 def could_not_start(answers: Predictions) -> bool:
@@ -116,7 +125,7 @@ def _checked(result: object, knowledge: Knowledge, sensor: str) -> Estimate:
     """``result`` where it keeps the contract, else a crash that says how it breaks it."""
     if not isinstance(result, Estimate):
         return _crashed(sensor, f"step returned {type(result).__name__}, not an Estimate")
-    if result.sensor not in knowledge.sensors:
+    if result.sensor not in {*knowledge.sensors, *knowledge.lidars}:
         return _crashed(sensor, f"step answered for the unknown sensor {result.sensor!r}")
     pose = [] if result.sensor_from_target is None else result.sensor_from_target.as_quat().ravel().tolist()
     position = [] if result.translation_m is None else np.asarray(result.translation_m).ravel().tolist()

@@ -11,6 +11,7 @@ import pandas as pd
 
 from benchmark import metrics
 from benchmark.figure import Figure, figure_of, finite, mean, median, p95, sd
+from benchmark.filter_summary import FilterSummary
 from benchmark.metrics import WRONG_DEG
 from benchmark.records import KnowledgeRecord
 from benchmark.ring_summary import RingSummary
@@ -73,6 +74,7 @@ class Summary(Spec):
     geodesic_p95_deg: Figure | None = None
     swept: SweptAngle | None = None
     ring: RingSummary | None = None
+    filter: FilterSummary | None = None
     speed_rotation: Figure | None = None
     speed_score: Figure | None = None
     cpu_s_per_frame: float | None = None

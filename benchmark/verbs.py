@@ -7,6 +7,7 @@ from benchmark.console import Console
 from scenes.errors import FAULT_FOUND, UsageError, unknown
 
 if TYPE_CHECKING:
+    from benchmark.leaderboard import Row
     from benchmark.results import Results
     from scenes.scenario import Quality, Scenario
 
@@ -211,18 +212,30 @@ def _preset(name: str | None) -> "Quality | None":
 
 
 def _print_table(folder: Path, index: "Results", console: Console) -> None:
-    """A table of the rectangles and one of the rings, which have columns of their own."""
+    """A table of the rectangles, one of the rings and one of the LIDARs, which have columns of their own."""
     from benchmark import leaderboard
 
     every = list(leaderboard.rows(folder, index))
     rings = [row for row in every if row.summary.ring is not None]
+    lidars = [row for row in every if row.summary.filter is not None]
     for title, rows in (
-        (f"{index.title} (errors in degrees, answered frames only)", [row for row in every if row not in rings]),
+        (f"{index.title} (errors in degrees, answered frames only)", [row for row in every if row not in rings + lidars]),
         (f"{index.title}: rings (answered frames only)", rings),
     ):
         groups = [f"{row.entry.case} {row.entry.feature}" for row in rows]
         cells = [{"case": row.entry.case, "feature": row.entry.feature or "—", **row.cells} for row in rows]
         console.table(title, cells, groups)
+    _print_lidars(lidars, index, console)
+
+
+def _print_lidars(rows: "list[Row]", index: "Results", console: Console) -> None:
+    """A line per case and method, its seeds together."""
+    from benchmark import filter_cells
+    from benchmark.filter_seeds import seeds_lines
+
+    lines = seeds_lines(rows, index.bases)
+    cells = [{"case": line.case, **filter_cells.of_line(line)} for line in lines]
+    console.table(f"{index.title}: LIDARs (3σ of the last fifth of the time)", cells, [line.case for line in lines])
 
 
 def _parameters(overrides: list[str]) -> dict[str, object]:

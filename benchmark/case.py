@@ -1,0 +1,107 @@
+"""A case of a suite: a scenario with its frames, on which methods meet; one data set, or one for each of several seeds."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field, StringConstraints, model_validator
+
+from scenes.dataset_range import parse_frames
+from scenes.errors import UsageError, unknown
+from scenes.features import CircleFeature, Feature, MarkerFeature
+from scenes.scenario import Quality, Scenario
+from scenes.spec import NonNegative, Spec
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]*$", max_length=64)]  # becomes a folder's name
+Seed = Annotated[int, Field(ge=0)]
+SeedCount = Annotated[int, Field(ge=1, le=1000)]
+
+
+@dataclass(frozen=True, slots=True)
+class CaseRun:
+    """One data set of a case: its name, the case's, and the seed, None for the scenario's own."""
+
+    name: str
+    base: str
+    seed: int | None
+
+
+class Case(Spec):
+    """One data set: a scenario and its frames; which features are asked for and by which methods (none named: all).
+
+    The frames of the first ``settle_s`` seconds are answered but not judged: a filter needs time that a frame-by-frame
+    method does not. ``quality`` goes before the suite's own. A circle is measured by the stereo rig ``rig``, which needs no name
+    where the scenario has one. Instead of features a case may ask for what ``lidar`` measures, which needs no name where the
+    scenario has nothing else. ``seeds``, a list or how many from 0, makes a data set of each.
+    """
+
+    name: Name
+    scenario: Scenario
+    description: str = ""
+    frames: str = ":"
+    seed: Seed | None = None
+    seeds: tuple[Seed, ...] | SeedCount = ()
+    settle_s: NonNegative = 0.0
+    quality: Quality | None = None
+    rig: str | None = None
+    lidar: str | None = None
+    features: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _frames_and_features_are_the_scenarios(self) -> "Case":
+        try:
+            parse_frames(self.frames, self.scenario.frame_count)
+        except UsageError as error:
+            raise ValueError(str(error).replace("--frames", "frames")) from None
+        there = {feature.name: feature for feature in self.scenario.target.features}
+        for name in self.features:
+            if name not in there:
+                raise ValueError(unknown("feature of the scenario's target", name, there))
+            self._refuse_unmeasurable(there[name])
+        return self
+
+    @model_validator(mode="after")
+    def _asks_for_something(self) -> "Case":
+        lidars = self.scenario.lidars
+        if self.lidar is not None and self.lidar not in lidars:
+            raise ValueError(unknown("LIDAR of the scenario", self.lidar, lidars))
+        if self.features and self.lidar is not None:
+            raise ValueError(f"a case asks for features or for what the LIDAR {self.lidar!r} measures; make two cases of it")
+        if not self.features and not lidars:
+            raise ValueError("features: a case names at least one feature of the target, or its scenario has a LIDAR")
+        if not self.features and self.lidar is None and (len(lidars) > 1 or self.scenario.sensors):
+            raise ValueError(f"the scenario has several sensors; name features or the lidar, one of {', '.join(sorted(lidars))}")
+        if self.features and not self.scenario.sensors:
+            raise ValueError("features are measured by cameras, and the scenario has none; leave them out for its LIDAR")
+        return self
+
+    @model_validator(mode="after")
+    def _each_seed_once(self) -> "Case":
+        if self.seeds and self.seed is not None:
+            raise ValueError("a case has a seed or seeds, not both")
+        if isinstance(self.seeds, tuple) and len(set(self.seeds)) < len(self.seeds):
+            raise ValueError(f"seeds: the seed {next(one for one in self.seeds if self.seeds.count(one) > 1)} is there twice")
+        return self
+
+    def _refuse_unmeasurable(self, feature: Feature) -> None:
+        if isinstance(feature, MarkerFeature):
+            raise ValueError(f"feature {feature.name!r} is a marker; methods are told of rectangles and circles")
+        if not isinstance(feature, CircleFeature):
+            return
+        if not self.scenario.rigs:
+            raise ValueError(f"feature {feature.name!r} is a circle, which two cameras measure, and the scenario has no rig")
+        if self.rig is not None and self.rig not in self.scenario.rigs:
+            raise ValueError(unknown("rig of the scenario", self.rig, self.scenario.rigs))
+
+    @property
+    def selected(self) -> range:
+        """The frame numbers."""
+        return parse_frames(self.frames, self.scenario.frame_count)
+
+    @property
+    def runs(self) -> tuple[CaseRun, ...]:
+        """The data sets: one under the case's name, or ``<name>-seed<k>`` for each of the seeds."""
+        seeds = tuple(range(self.seeds)) if isinstance(self.seeds, int) else self.seeds
+        if not seeds:
+            return (CaseRun(self.name, self.name, self.seed),)
+        return tuple(CaseRun(f"{self.name}-seed{seed}", self.name, seed) for seed in seeds)

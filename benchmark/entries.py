@@ -1,0 +1,93 @@
+"""One entry of a leaderboard: a method answers a data set and is judged. Several may be made at once, a process each."""
+
+import multiprocessing
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmark.case import CaseRun
+from benchmark.progress import Progress
+from benchmark.suite import Method
+from scenes.dataset import Dataset
+from scenes.errors import HardlightError
+
+Stages = Callable[[str], AbstractContextManager[Progress | None]]
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What makes one entry. ``feature`` or ``lidar`` says what is asked for; ``folder`` takes answers and scores."""
+
+    run: CaseRun
+    dataset: Path
+    feature: str | None
+    rig: str | None
+    lidar: str | None
+    title: str
+    method: Method
+    sigma_px: float
+    settle_s: float
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        """The entry as a person reads it."""
+        return f"{self.title} on {self.run.name}" + ("" if self.feature is None else f", {self.feature}")
+
+
+def done_here(tasks: Sequence[Task], stages: Stages) -> None:
+    """Makes the entries one after the other, each with a progress of its own."""
+    for task in tasks:
+        with stages(task.name) as progress:
+            answer_and_judge(task, progress)
+
+
+def done_in_processes(tasks: Sequence[Task], workers: int, stages: Stages) -> None:
+    """Makes the entries in fresh processes (what methods load cannot be forked). The first fault ends the rest.
+
+    CPU seconds are each process's own, so a table of them means the same as with one process; wall seconds do not.
+    """
+    pool = ProcessPoolExecutor(
+        min(workers, max(1, len(tasks))), mp_context=multiprocessing.get_context("spawn"), initializer=_start_worker
+    )
+    try:
+        with stages(f"{len(tasks)} entries, {workers} at a time") as progress:
+            for done, one in enumerate(as_completed([pool.submit(answer_and_judge, task) for task in tasks]), start=1):
+                one.result()
+                if progress is not None:
+                    progress(done, len(tasks))
+    except BrokenProcessPool:
+        raise HardlightError("a worker process died (killed or out of memory); data sets are kept, try --workers 1") from None
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
+    """Declares, lets the method answer and judges it; all that is left behind lies in the task's folder."""
+    from benchmark import judge, run
+    from benchmark.knowledge import declare
+
+    dataset, method = Dataset.open(task.dataset), task.method
+    declaration = declare(
+        dataset,
+        task.feature,
+        task.sigma_px,
+        grant_aspect=method.aspect,
+        grant_radius=method.radius,
+        rig=task.rig,
+        lidar=task.lidar,
+        grant_model=method.model,
+    )
+    given = run.estimate(
+        method.estimator, method.parameters, dataset, declaration, task.folder, label=task.title, progress=progress
+    )
+    judge.write(task.folder, judge.judge(given, dataset, task.settle_s))
+
+
+def _start_worker() -> None:
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle

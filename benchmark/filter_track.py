@@ -1,0 +1,28 @@
+"""One LIDAR's answers, scored: the poses in the target's frame, the states of the filter in the method's own."""
+
+import pandas as pd
+
+from benchmark import filter_scores, symmetry
+from benchmark.filter_gauge import gauge_of, in_target_frame
+from benchmark.filter_summary import FilterSummary, filter_summary
+from benchmark.filter_truth import true_states
+from benchmark.pose_errors import attitude_errors, position_errors
+from benchmark.predictions import Predictions, positions
+from benchmark.score_table import extras_of, opened
+from scenes.dataset import Dataset
+
+
+def filter_track(predictions: Predictions, dataset: Dataset, sensor: str, group: str) -> tuple[pd.DataFrame, int, FilterSummary]:
+    """The score rows of one LIDAR, how often the labelling changed, and what the states come to.
+
+    ``group``: the target's symmetry. A method that declares no knowledge counts as one that was told no model.
+    """
+    truth, table, scores = opened(predictions, dataset, sensor)
+    knowledge, extras = predictions.record.knowledge, extras_of(predictions, sensor, truth.index)
+    gauge = gauge_of(truth, table, told_model=knowledge is not None and knowledge.model is not None, group=group)
+    true = true_states(truth, dataset.manifest.scenario, gauge)
+    posed, answered = in_target_frame(table, gauge), (table["outcome"] == "ok").to_numpy()
+    errors, switches = attitude_errors(truth, posed, answered, symmetry.group("none"), symmetry.group(group))
+    scores = scores.assign(**errors, **position_errors(positions(truth), positions(posed), errors["speed_rotation"]))
+    scores = scores.assign(**filter_scores.columns(truth, table, extras, true, gauge))
+    return scores, switches, filter_summary(scores, gauge)
