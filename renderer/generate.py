@@ -13,9 +13,12 @@ from renderer.emitters import apparent_radius_rad
 from renderer.masks import Light
 from renderer.photograph import Photographer
 from renderer.quality import PRESETS
+from renderer.ranging import Scanner
 from renderer.variant import Backend, activate, probe
 from renderer.window import refuse_fast_spin
+from scenes.beam_fate import BeamFate
 from scenes.dataset_frame import FrameRecord
+from scenes.dataset_lidar import chaser_entry, lidar_entry
 from scenes.dataset_manifest import Manifest, calibration, rig_entry
 from scenes.dataset_writer import DatasetWriter
 from scenes.errors import HardlightError, UsageError
@@ -73,7 +76,8 @@ def manifest_of(scenario: Scenario, frames: range, backend: Backend) -> Manifest
         scenario=scenario.model_dump(mode="json"),
         seed=scenario.seed,
         frames=frames,
-        sensors={name: _sensor(scenario, name) for name in scenario.sensors},
+        sensors={name: _sensor(scenario, name) for name in scenario.sensors}
+        | {name: _lidar(scenario, name) for name in scenario.lidars},
         backend={"variant": backend.variant, "llvm": llvm},
         quality=preset,
     )
@@ -92,38 +96,61 @@ def _sensor(scenario: Scenario, name: str) -> dict[str, Any]:
         bits=camera.detector.bits,
         electrons_per_second_per_radiance=per_radiance,
         psf_sigma_px=camera.detector.psf_sigma_px,
-        parts=["background", *(part.name for part in scenario.target.parts)],
+        parts=_parts(scenario),
         mask_bits={bit.name.lower(): int(bit) for bit in Light if bit.name},
         **in_rig,
     )
+
+
+def _lidar(scenario: Scenario, name: str) -> dict[str, Any]:
+    """Calibration, and what the numbers in the truth of its beams mean."""
+    lidar = scenario.lidars[name]
+    return lidar_entry(
+        lidar.model,
+        returns=lidar.returns,
+        wavelength_nm=lidar.beam.wavelength_nm,
+        parts=_parts(scenario),
+        reasons={fate.name.lower(): int(fate) for fate in BeamFate},
+    )
+
+
+def _parts(scenario: Scenario) -> list[str]:
+    return ["background", *(part.name for part in scenario.target.parts)]
 
 
 class FrameMaker:
     """Everything that renders one scenario in one process."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Loads each camera's session."""
+        """Loads each camera's session and each LIDAR's beams."""
         self._scenario = scenario
         self._photographers = {name: Photographer(scenario, name) for name in scenario.sensors}
+        self._scanners = {name: Scanner(scenario, name) for name in scenario.lidars}
 
     def record(self, frame: int) -> FrameRecord:
-        """Every camera's picture of one frame, with its truth."""
+        """Every camera's picture and every LIDAR's scan of one frame, with the truth of both."""
         scene = realize(self._scenario, self._scenario.seed, frame)
         taken = {name: photographer.take(scene) for name, photographer in self._photographers.items()}
+        scanned = {name: scanner.take(scene) for name, scanner in self._scanners.items()}
+        motion = self._scenario.trajectory.truth_columns(scene.time_s, self._scenario.seed)
+        rows = {name: photo.truth for name, photo in taken.items()} | {name: sounding.truth for name, sounding in scanned.items()}
         return FrameRecord(
             frame=frame,
             time_s=scene.time_s,
             images={name: photo.pixels for name, photo in taken.items()},
             layers={name: photo.layers for name, photo in taken.items()},
-            truth={name: photo.truth for name, photo in taken.items()},
-            state=_state(scene, {name: photo.exposure_s for name, photo in taken.items()}),
+            truth={name: row | motion for name, row in rows.items()},
+            state=self._state(scene, {name: photo.exposure_s for name, photo in taken.items()}),
             windows={name: photo.window for name, photo in taken.items()},
+            scans={name: sounding.scan for name, sounding in scanned.items()},
+            scan_truth={name: sounding.beams for name, sounding in scanned.items()},
         )
 
-
-def _state(scene: Scene, exposure_s: dict[str, float]) -> dict[str, Any]:
-    lights = {light.name: _light_state(light, scene.time_s, exposure_s) for light in scene.lights}
-    return {"lights": lights, "exposure_s": exposure_s, "omega_target_rad_s": list(scene.omega_target_rad_s)}
+    def _state(self, scene: Scene, exposure_s: dict[str, float]) -> dict[str, Any]:
+        lights = {light.name: _light_state(light, scene.time_s, exposure_s) for light in scene.lights}
+        state = {"lights": lights, "exposure_s": exposure_s, "omega_target_rad_s": list(scene.omega_target_rad_s)}
+        chaser = self._scenario.trajectory.chaser_state(scene.time_s, self._scenario.seed)
+        return state if chaser is None else state | {"chaser": chaser_entry(chaser)}
 
 
 def _light_state(light: SceneLight, time_s: float, exposure_s: dict[str, float]) -> dict[str, Any]:

@@ -1,17 +1,24 @@
 """A target as a Mitsuba scene: one mesh a part, in the target's frame, which never moves."""
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.materials import bsdf
-from renderer.photometry import Photometry
 from scenes.solids import Solid, solids
+from scenes.spectrum import Quantity
 from scenes.target import Target
 
 
-def load(target: Target, fold: Photometry) -> Any:
+class Folded(Protocol):
+    """What gives the one number that stands for a spectrum: a camera under a light, or a laser's wavelength."""
+
+    def effective(self, quantity: Quantity) -> float:
+        """The number."""
+
+
+def load(target: Target, fold: Folded) -> Any:
     """The Mitsuba scene: one mesh a part, in order; parts keep their identity (no merging, no parallel loading)."""
     import mitsuba as mi
 

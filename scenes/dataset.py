@@ -15,15 +15,18 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from scenes.assets import with_assets_in
+from scenes.beam_truth import decode_beams
 from scenes.dataset_frame import read_frame_json, truth_of
-from scenes.dataset_layout import TRUTH_TABLE, frame_folder, image_name, layers_name
+from scenes.dataset_layout import FRAME_FILE, TRUTH_TABLE, beams_name, frame_folder, image_name, layers_name, scan_name
+from scenes.dataset_lidar import chaser_state, lidar_model
 from scenes.dataset_manifest import Manifest, read_manifest, sensor_model, stereo_pairs
 from scenes.dataset_writer import missing_sentence
 from scenes.errors import DatasetError
 from scenes.exr import decode
 from scenes.features import Feature
+from scenes.pcd import decode_scan
 from scenes.provenance import sha256_of_bytes
-from scenes.recording import Image, LidarModel, Observation, SensorModel, StereoPair, Truth
+from scenes.recording import Image, LidarModel, Observation, Scan, SensorModel, StereoPair, Truth
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,13 +71,15 @@ class Dataset:
     def sensors(self) -> Mapping[str, SensorModel]:
         """Camera → calibration."""
         where = self.path / "manifest.json"
-        models = {name: sensor_model(entry, f"{where}: sensors.{name}") for name, entry in self.manifest.sensors.items()}
+        models = {name: sensor_model(entry, f"{where}: sensors.{name}") for name, entry in self.manifest.cameras.items()}
         return MappingProxyType(models)
 
     @cached_property
     def lidars(self) -> Mapping[str, LidarModel]:
         """LIDAR → calibration."""
-        return MappingProxyType({})
+        where = self.path / "manifest.json"
+        models = {name: lidar_model(entry, f"{where}: sensors.{name}") for name, entry in self.manifest.lidars.items()}
+        return MappingProxyType(models)
 
     @cached_property
     def features(self) -> tuple[Feature, ...]:
@@ -91,8 +96,10 @@ class Dataset:
     def observation(self, frame: int) -> Observation:
         """What the chaser has at one frame. Raises ``DatasetError`` on a missing, truncated or edited file."""
         body = self._body(frame)
-        images = {name: Image(self._image(frame, name, body)) for name in self.manifest.sensors}
-        return Observation(frame, float(body["time_s"]), MappingProxyType(images))
+        images = {name: Image(self._image(frame, name, body)) for name in self.manifest.cameras}
+        scans = {name: self._scan(frame, name, body) for name in self.manifest.lidars}
+        chaser = chaser_state(body["state"], f"{frame_folder(self.path, frame) / FRAME_FILE}")
+        return Observation(frame, float(body["time_s"]), MappingProxyType(images), MappingProxyType(scans), chaser)
 
     def truth(self, frame: int) -> Truth:
         """What only the judge has."""
@@ -120,6 +127,15 @@ class Dataset:
         except ValueError as error:
             raise DatasetError(f"{frame_folder(self.path, frame) / name}: {error}") from None
 
+    def scan_truth(self, frame: int, lidar: str) -> dict[str, NDArray[Any]]:
+        """What only the judge has of each beam: name → (rows, columns) or (rows, columns, 3)."""
+        name = beams_name(lidar)
+        data = self._file(frame, name, self._body(frame))
+        try:
+            return decode_beams(data)
+        except ValueError as error:
+            raise DatasetError(f"{frame_folder(self.path, frame) / name}: {error}") from None
+
     def image_path(self, frame: int, camera: str) -> Path:
         """The PNG of one frame and camera."""
         return frame_folder(self.path, frame) / image_name(camera)
@@ -138,6 +154,17 @@ class Dataset:
             raise DatasetError(f"{self.image_path(frame, camera)}: its shape is {shape}, not {(size.height_px, size.width_px)}")
         pixels.flags.writeable = False
         return np.asarray(pixels)
+
+    def _scan(self, frame: int, lidar: str, body: Mapping[str, Any]) -> Scan:
+        name, model = scan_name(lidar), self.lidars[lidar]
+        where = frame_folder(self.path, frame) / name
+        try:
+            scan = decode_scan(self._file(frame, name, body))
+        except ValueError as error:
+            raise DatasetError(f"{where}: {error}") from None
+        if scan.intensity.shape != (model.rows, model.columns):
+            raise DatasetError(f"{where}: its shape is {scan.intensity.shape}, not {(model.rows, model.columns)}")
+        return scan
 
     def _file(self, frame: int, name: str, body: Mapping[str, Any]) -> bytes:
         path = frame_folder(self.path, frame) / name

@@ -15,7 +15,7 @@ from scenes.errors import DatasetError
 from scenes.exr import Window
 from scenes.pose_columns import pose
 from scenes.provenance import readable_json, sha256_of_json
-from scenes.recording import Truth
+from scenes.recording import Scan, Truth
 
 _EMPTY: Mapping[str, Any] = MappingProxyType({})
 
@@ -25,9 +25,10 @@ class FrameRecord:
     """Everything that is written for one frame.
 
     ``images``: camera → (height, width), uint8 or uint16, DN. ``layers``: camera → layer name → (height, width), float32 or
-    uint32. ``truth``: camera → column → number, all of ``TRUTH_COLUMNS`` (NaN where one does not apply) and any others.
+    uint32. ``truth``: sensor → column → number, all of ``TRUTH_COLUMNS`` (NaN where one does not apply) and any others.
     ``state``: plain, JSON (motion state, light truth, exposure). ``windows``: camera → where in the picture its layers lie,
-    if they have not the picture's size; outside it they are zero.
+    if they have not the picture's size; outside it they are zero. ``scans``: LIDAR → scan. ``scan_truth``: LIDAR → name →
+    (rows, columns) or (rows, columns, 3).
     """
 
     frame: int
@@ -37,6 +38,8 @@ class FrameRecord:
     truth: Mapping[str, Mapping[str, float]]
     state: Mapping[str, Any] = field(default_factory=lambda: _EMPTY)
     windows: Mapping[str, Window] = field(default_factory=lambda: _EMPTY)
+    scans: Mapping[str, Scan] = field(default_factory=lambda: _EMPTY)
+    scan_truth: Mapping[str, Mapping[str, NDArray[Any]]] = field(default_factory=lambda: _EMPTY)
 
     def __post_init__(self) -> None:
         """Refuses truth without one of the columns, and a quaternion that is not one."""

@@ -38,6 +38,16 @@ def frame_folder(dataset: Path, frame: int) -> Path:
     return dataset / FRAMES / f"{frame:06d}"
 
 
+def scan_name(lidar: str) -> str:
+    """What the LIDAR delivers."""
+    return f"{lidar}.pcd"
+
+
+def beams_name(lidar: str) -> str:
+    """What only a simulation knows of the same beams."""
+    return f"{lidar}_truth.npz"
+
+
 def image_name(camera: str) -> str:
     """What the camera delivers."""
     return f"{camera}.png"

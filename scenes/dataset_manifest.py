@@ -10,6 +10,7 @@ from pydantic import Field, JsonValue, PrivateAttr, ValidationError, model_valid
 
 from scenes.assets import mesh_paths, portable
 from scenes.dataset_layout import FORMAT, MANIFEST, VERSION
+from scenes.dataset_lidar import is_lidar
 from scenes.errors import DatasetError
 from scenes.intrinsics import Intrinsics
 from scenes.pose_columns import pose, pose_columns
@@ -83,6 +84,16 @@ class Manifest(Spec):
     def selected(self) -> range:
         """The frame numbers, ascending."""
         return range(*self.frames)
+
+    @property
+    def cameras(self) -> dict[str, Table]:
+        """The entries of ``sensors`` that are cameras."""
+        return {name: entry for name, entry in self.sensors.items() if not is_lidar(entry)}
+
+    @property
+    def lidars(self) -> dict[str, Table]:
+        """The entries of ``sensors`` that are LIDARs."""
+        return {name: entry for name, entry in self.sensors.items() if is_lidar(entry)}
 
     @property
     def digest(self) -> str:

@@ -18,9 +18,11 @@ from scenes.dataset_layout import (
     MANIFEST,
     TEMPORARY,
     TRUTH_TABLE,
+    beams_name,
     frame_folder,
     image_name,
     layers_name,
+    scan_name,
 )
 from scenes.dataset_manifest import Manifest, read_manifest
 from scenes.dataset_truth import rows
@@ -57,7 +59,8 @@ def _frame_faults(path: Path, manifest: Manifest, frame: int) -> Iterator[str]:
         yield str(error)
         return
     there = {entry.name for entry in folder.iterdir()} - {FRAME_FILE}
-    wanted = {name for sensor in manifest.sensors for name in (image_name(sensor), layers_name(sensor))}
+    wanted = {name for camera in manifest.cameras for name in (image_name(camera), layers_name(camera))}
+    wanted |= {name for lidar in manifest.lidars for name in (scan_name(lidar), beams_name(lidar))}
     for name in sorted(wanted - stated.keys()):
         yield f"{folder / name}: it is missing, also from {FRAME_FILE}"
     for name in sorted(there - stated.keys()):

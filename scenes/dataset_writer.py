@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from scenes.assets import asset_bytes
 from scenes.atomic import disk_errors, publish_file, publish_folder, sweep
+from scenes.beam_truth import encode_beams
 from scenes.dataset_frame import FrameRecord, frame_json
 from scenes.dataset_layout import (
     FRAME_FILE,
@@ -18,14 +19,17 @@ from scenes.dataset_layout import (
     MANIFEST,
     TEMPORARY,
     TRUTH_TABLE,
+    beams_name,
     frame_folder,
     image_name,
     layers_name,
+    scan_name,
 )
 from scenes.dataset_manifest import Manifest, differences, read_manifest
 from scenes.dataset_truth import truth_table_bytes
 from scenes.errors import DatasetConflict, DatasetError
 from scenes.exr import encode
+from scenes.pcd import encode_scan
 from scenes.provenance import sha256_of_bytes
 
 
@@ -90,14 +94,21 @@ def frame_files(manifest: Manifest, record: FrameRecord) -> dict[str, bytes]:
     """
     if record.frame not in manifest.selected:
         raise ValueError(f"frame {record.frame} is not one of {manifest.selected}")
-    for given in (record.images, record.layers, record.truth):
-        if given.keys() != manifest.sensors.keys():
-            raise ValueError(f"a frame has the sensors {sorted(given)}, the manifest {sorted(manifest.sensors)}")
+    cameras, lidars = set(manifest.cameras), set(manifest.lidars)
+    for given, wanted in (
+        *((given, cameras) for given in (record.images, record.layers)),
+        *((given, lidars) for given in (record.scans, record.scan_truth)),
+        (record.truth, cameras | lidars),
+    ):
+        if given.keys() != wanted:
+            raise ValueError(f"a frame has the sensors {sorted(given)}, the manifest {sorted(wanted)}")
     files = {image_name(camera): _png(pixels) for camera, pixels in sorted(record.images.items())}
     for camera, layers in sorted(record.layers.items()):
         entry = manifest.sensors[camera]
         size = int(str(entry["width_px"])), int(str(entry["height_px"]))
         files[layers_name(camera)] = encode(layers, *size, record.windows.get(camera))
+    files |= {scan_name(lidar): encode_scan(scan) for lidar, scan in sorted(record.scans.items())}
+    files |= {beams_name(lidar): encode_beams(arrays) for lidar, arrays in sorted(record.scan_truth.items())}
     digests = {name: sha256_of_bytes(data) for name, data in files.items()}
     return {**files, FRAME_FILE: frame_json(record, digests).encode()}
 

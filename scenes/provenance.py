@@ -21,6 +21,7 @@ _DISTRIBUTIONS = {
     "pyoidn": "pyoidn",
     "opencv": "opencv-python-headless",
     "OpenEXR": "OpenEXR",
+    "pypcd4": "pypcd4",
     "pyarrow": "pyarrow",
 }
 
