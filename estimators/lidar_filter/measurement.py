@@ -1,6 +1,5 @@
 """What a registration tells a filter, what the filter makes of it, and what every filter of this folder can do."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -31,7 +30,7 @@ class Innovation:
     dof: int
     accepted: bool
 
-    def extras(self) -> Mapping[str, float]:
+    def extras(self) -> dict[str, float]:
         """The same as named numbers for the judge."""
         return {"nis": self.nis, "nis_dof": float(self.dof), "accepted": float(self.accepted)}
 
