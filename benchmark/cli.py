@@ -49,6 +49,7 @@ def _options(
 Out = Annotated[Path, typer.Option("--out", help="Folder for the result; made if it is not there.")]
 Data = Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of a data set.")]
 Workers = Annotated[int, typer.Option(min=1, max=256, help="Processes that render; the bytes do not depend on it.")]
+Answerers = Annotated[int, typer.Option(min=1, max=256, help="Processes that render, and that answer, an entry each.")]
 Quality = Annotated[
     str | None,
     typer.Option(metavar="PRESET", help="reference, standard, fast or draft instead of the scenario's own quality."),
@@ -137,14 +138,17 @@ def estimate(
     feature: Annotated[str | None, typer.Option(help="Which feature of the target the method is told of.")] = None,
     prior_sigma_px: Annotated[float, typer.Option(min=0, help="Noise of the corner pixels it is given, sd in px.")] = 3.0,
     rig: Annotated[str | None, typer.Option(help="Which stereo rig measures a ring, where there are several.")] = None,
+    lidar: Annotated[str | None, typer.Option(help="Which LIDAR it answers for, where there are other sensors.")] = None,
+    model: Annotated[bool, typer.Option("--model", help="Tell it the target's surface, for a LIDAR.")] = False,
     overrides: Overrides = None,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
-    """Let a method answer every frame of a data set; it sees pictures and its declared knowledge, nothing else."""
+    """Let a method answer every frame of a data set; it sees pictures, scans and its declared knowledge, nothing else."""
     from benchmark import verbs
 
-    raise typer.Exit(verbs.estimate(method, dataset, out, feature, prior_sigma_px, rig, overrides or [], Console(quiet)))
+    told = {"feature_name": feature, "sigma_px": prior_sigma_px, "rig": rig, "lidar": lidar, "grant_model": model}
+    raise typer.Exit(verbs.estimate(method, dataset, out, told, overrides or [], Console(quiet)))
 
 
 @app.command(short_help="answers against the truth", epilog=example("hardlight judge answers/wing data/in-plane --out scores/wing"))
@@ -166,7 +170,7 @@ def judge(
 def bench(
     suite: Annotated[str, typer.Argument(metavar="SUITE", help="A library name or the path of a TOML file.")],
     out: Out,
-    workers: Workers = 1,
+    workers: Answerers = 1,
     quality: Quality = None,
     quiet: Quiet = False,
     debug: Debug = False,

@@ -7,8 +7,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from benchmark import report_views as views
 from benchmark.figure import Figure
 from benchmark.files import publish
+from benchmark.filter_states import STATES
+from benchmark.filter_summary import CONVERGED_INERTIA, STEADY
 from benchmark.leaderboard import minus, overall, rows
 from benchmark.metrics import WRONG_DEG
+from benchmark.report_lidar_pictures import LEGEND
 from benchmark.report_ring_pictures import LIGHT_STATES
 from benchmark.results import read
 from benchmark.ring_scores import WRONG_OF_RANGE
@@ -32,6 +35,10 @@ def write(folder: Path) -> Path:
             wrong_deg=WRONG_DEG,
             wrong_of_range=WRONG_OF_RANGE,
             light_states=LIGHT_STATES,
+            states=STATES,
+            converged_inertia=CONVERGED_INERTIA,
+            steady=STEADY,
+            scan_legend=LEGEND,
             constant=[row for row in rows(folder, index) if views.is_constant(row.summary)],
             told=views.told(shown),
         )

@@ -1,4 +1,4 @@
-"""What the page shows, gathered from a folder of results: a case holds features, a feature holds entries."""
+"""What the page shows, gathered from a folder of results: a case holds features or LIDARs, each of which holds entries."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,6 +14,8 @@ from benchmark.angles import ANGLE_NAMES, paper_angles
 from benchmark.judge import SCORES, swept_angle
 from benchmark.leaderboard import Row, minus, rows
 from benchmark.predictions import Predictions
+from benchmark.report_lidar_pictures import intensity_tile
+from benchmark.report_lidar_views import LidarEntryView, LidarView, lidar_views
 from benchmark.report_pictures import Picture, glimpse, picture
 from benchmark.report_plots import Track, error_plot
 from benchmark.report_ring_views import RingEntryView, RingView, reason, ring_view
@@ -48,36 +50,52 @@ class FeatureView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CaseView:
-    """One case: its heading, its rectangles, its rings, what a paper printed for it, and where its pictures come from."""
+    """One case: its heading, its rectangles, its rings, its LIDARs, what a paper printed for it, where its pictures come from.
+
+    The seeds of one LIDAR case are one view, whose ``dataset`` is the first seed's.
+    """
 
     name: str
     description: str
     methods: tuple[tuple[str, int], ...]
     features: tuple[FeatureView, ...]
     rings: tuple[RingView, ...]
+    lidars: tuple[LidarView, ...]
     published: tuple[Published, ...]
     dataset: Dataset
     glimpses: tuple[Picture, ...]
 
     @property
-    def entries(self) -> tuple[EntryView | RingEntryView, ...]:
+    def seeds_text(self) -> str:
+        """The seed, or the seeds where there are several data sets."""
+        seeds = next((view.seeds for view in self.lidars if len(view.seeds) > 1), ())
+        if not seeds:
+            return f"seed {self.dataset.manifest.seed}"
+        return f"seeds {', '.join(map(str, seeds))} (the digests are the first's)"
+
+    @property
+    def entries(self) -> tuple[EntryView | RingEntryView | LidarEntryView, ...]:
         """Every row of the case's tables."""
         rectangles = [entry for view in self.features for entry in view.entries]
-        return (*rectangles, *(entry for view in self.rings for entry in view.entries))
+        rings = [entry for view in self.rings for entry in view.entries]
+        return (*rectangles, *rings, *(entry for view in self.lidars for entry in view.entries))
 
 
 def cases(folder: Path, index: Results, titles: Sequence[str]) -> list[CaseView]:
     """Every case of ``index``; a method's place in ``titles`` is its colour."""
-    names = dict.fromkeys(entry.case for entry in index.entries)
-    return [_case(folder, index, name, titles) for name in names]
+    groups: dict[str, list[Row]] = {}
+    for row in rows(folder, index):
+        shared = row.summary.filter is not None
+        groups.setdefault(index.bases.get(row.entry.case, row.entry.case) if shared else row.entry.case, []).append(row)
+    return [_case(folder, index, name, mine, titles) for name, mine in groups.items()]
 
 
-def _case(folder: Path, index: Results, name: str, titles: Sequence[str]) -> CaseView:
-    mine = [row for row in rows(folder, index) if row.entry.case == name]
+def _case(folder: Path, index: Results, name: str, mine: Sequence[Row], titles: Sequence[str]) -> CaseView:
     dataset = Dataset.open(folder / mine[0].entry.dataset)
-    heading = next(case for case in index.cases if case.name == name)
+    heading = next(case for case in index.cases if case.name == mine[0].entry.case)
     features, rings = [], []
-    for feature, group in groupby(mine, key=lambda row: row.entry.feature):
+    of_lidars = [row for row in mine if row.summary.filter is not None]
+    for feature, group in groupby((row for row in mine if row.summary.filter is None), key=lambda row: row.entry.feature):
         listed = list(group)
         if listed[0].summary.ring is not None:
             rings.append(ring_view(folder, index, dataset, listed, titles))
@@ -87,8 +105,17 @@ def _case(folder: Path, index: Results, name: str, titles: Sequence[str]) -> Cas
         features.append(FeatureView(feature or "", plot, entries))
     published = tuple(one for one in index.published if one.case == name)
     methods = tuple((title, series) for series, title in enumerate(titles) if title in {row.entry.title for row in mine})
-    views = tuple(features), tuple(rings)
-    return CaseView(name, heading.description, methods, *views, published, dataset, tuple(_glimpses(dataset)))
+    views = tuple(features), tuple(rings), lidar_views(folder, index, name, of_lidars, titles)
+    seen = tuple(_glimpses(dataset)) if dataset.sensors else tuple(_scans(dataset, of_lidars))
+    return CaseView(name, heading.description, methods, *views, published, dataset, seen)
+
+
+def _scans(dataset: Dataset, mine: Sequence[Row]) -> Iterator[Picture]:
+    """The first, the middle and the last scan of the LIDAR that was judged."""
+    frames, lidar = dataset.frames, mine[0].summary.sensor
+    for frame in sorted({frames[0], frames[len(frames) // 2], frames[-1]}):
+        tile = intensity_tile(dataset, lidar, frame, f"frame {frame}, strength of the returns")
+        yield Picture(tile.uri, tile.width, tile.height, truth="", answer="", caption=tile.label, is_failure=False)
 
 
 def _glimpses(dataset: Dataset) -> Iterator[Picture]:
@@ -97,7 +124,7 @@ def _glimpses(dataset: Dataset) -> Iterator[Picture]:
     saturated = dataset.truth_table().groupby("frame")["saturated_fraction"].max()
     between = frames[int(np.nanargmax(saturated.to_numpy()))] if saturated.max() > 0 else frames[len(frames) // 2]
     for frame in sorted({frames[0], between, frames[-1]}):
-        pose = next(iter(dataset.truth(frame).sensor_from_target.values()))
+        pose = dataset.truth(frame).sensor_from_target[next(iter(dataset.sensors))]
         angle = "" if swept is None else f", θ = {_degrees(pose.rotation, swept):.1f}°"
         yield glimpse(dataset, frame, minus(f"frame {frame}{angle}"))
 

@@ -1,7 +1,7 @@
 """What each verb of the command line does, and what it says."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from benchmark.console import Console
 from scenes.errors import FAULT_FOUND, UsageError, unknown
@@ -114,19 +114,20 @@ def estimate(
     method: str,
     path: Path,
     out: Path,
-    feature: str | None,
-    sigma_px: float,
-    rig: str | None,
+    told: dict[str, Any],
     overrides: list[str],
     console: Console,
 ) -> int:
-    """Runs one method over a data set and, where every frame failed, says why; 1 if the method could not even start."""
+    """Runs one method over a data set and, where every frame failed, says why; 1 if the method could not even start.
+
+    ``told``: what ``benchmark.knowledge.declare`` takes.
+    """
     from benchmark import run
     from benchmark.knowledge import declare
     from scenes.dataset import Dataset
 
     dataset = Dataset.open(path)
-    declaration = declare(dataset, feature, sigma_px, rig=rig)
+    declaration = declare(dataset, **told)
     with console.stage(f"{method}: {len(dataset.frames)} frames") as progress:
         answers = run.estimate(method, _parameters(overrides), dataset, declaration, out, progress=progress)
     counts = answers.table["outcome"].value_counts()
