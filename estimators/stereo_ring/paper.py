@@ -46,7 +46,7 @@ from estimators.stereo_ring.paper_parameters import PaperParameters
 from estimators.stereo_ring.regions import marker_centres
 from estimators.stereo_ring.ring_choice import Choice, followed, outermost_pair
 from estimators.stereo_ring.setting import Picture, Setting, setting_from
-from estimators.stereo_ring.stopwatch import Stopwatch
+from estimators.stopwatch import Stopwatch
 from scenes.recording import Knowledge, Observation
 
 

@@ -13,8 +13,8 @@ from estimators.stereo_ring.parameters import TrackedParameters
 from estimators.stereo_ring.pictures import smoothed
 from estimators.stereo_ring.promotion import inner_share_of, promoted
 from estimators.stereo_ring.rig import Rig
-from estimators.stereo_ring.stopwatch import Stopwatch
 from estimators.stereo_ring.tracking import LastSeen, Pictures, flow_circle, tracked_ring, why_not
+from estimators.stopwatch import Stopwatch
 from scenes.arrays import Floats
 
 

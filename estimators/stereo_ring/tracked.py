@@ -19,8 +19,8 @@ from estimators.stereo_ring.motion import Motion, circle_at, followed, turned_to
 from estimators.stereo_ring.parameters import TrackedParameters
 from estimators.stereo_ring.ring_track import RingSeen, RingTrack
 from estimators.stereo_ring.setting import Setting, setting_from
-from estimators.stereo_ring.stopwatch import Stopwatch
 from estimators.stereo_ring.tracking import Pictures
+from estimators.stopwatch import Stopwatch
 from scenes.recording import Knowledge, Observation
 
 

@@ -1,4 +1,4 @@
-"""CPU seconds of the stages of one frame, as extras."""
+"""CPU seconds of the stages of one step, as extras."""
 
 import time
 from dataclasses import dataclass, field
