@@ -33,6 +33,11 @@ class Echoes:
     retro: NDArray[np.float32]
     sunlit: NDArray[np.float32] | None = None
 
+    def rows(self, beams: NDArray[np.int64]) -> "Echoes":
+        """Only these beams."""
+        sunlit = None if self.sunlit is None else self.sunlit[beams]
+        return Echoes(self.range_m[beams], self.part[beams], self.cosine[beams], self.retro[beams], sunlit)
+
 
 class BeamCaster:
     """One target and one bundle of sub-rays, loaded once; only the poses change from scan to scan."""

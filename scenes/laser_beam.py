@@ -54,6 +54,14 @@ class Beam(Spec):
         variance = np.mean(offsets[:, 0] ** 2)
         return frozen(offsets * (self.sigma_rad / np.sqrt(variance) if variance > 0 else 1.0))
 
+    @property
+    def spacing_rad(self) -> float:
+        """The largest distance of a sub-ray from its nearest neighbour; 0 for one alone."""
+        offsets = self.offsets_rad
+        apart = np.linalg.norm(offsets[:, None] - offsets[None], axis=-1) + np.diag(np.full(len(offsets), np.inf))
+        nearest = apart.min(axis=1)
+        return float(nearest[np.isfinite(nearest)].max(initial=0.0))
+
     def _mean_square(self, low: float, high: float) -> float:
         """Mean of r² between the radii that hold the shares ``low`` and ``high`` of the energy, in units of 2σ²."""
         if self.profile == "top-hat":  # the share within r grows as r²
