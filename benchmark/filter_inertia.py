@@ -30,7 +30,7 @@ def inertia_columns(given: pd.DataFrame, true: TrueStates) -> dict[str, Floats]:
 
 def _estimates(given: pd.DataFrame) -> Floats:
     """(n, 5) components of the estimated inertias, NaN where there is none."""
-    components = given.reindex(columns=list(_COMPONENTS)).to_numpy(dtype=np.float64)
+    components = np.array(given.reindex(columns=list(_COMPONENTS)), dtype=np.float64)
     ratios = given.reindex(columns=list(_RATIOS)).to_numpy(dtype=np.float64)
     derived = np.isnan(components).any(axis=1) & np.isfinite(ratios).all(axis=1) & _has_a_trace(ratios)
     if derived.any():

@@ -77,4 +77,4 @@ def _omega(truth: pd.DataFrame, own_from_body: RigidTransform | None, own_from_t
 
 
 def _columns(truth: pd.DataFrame, names: tuple[str, ...]) -> Floats:
-    return truth.reindex(columns=list(names)).to_numpy(dtype=np.float64)
+    return np.array(truth.reindex(columns=list(names)), dtype=np.float64)
