@@ -136,6 +136,20 @@ class Sphere(Spec):
     subdivisions: Annotated[int, Field(ge=0, le=7)] = 4
 
 
+class Rubble(Spec):
+    """A lump of rock: an ellipsoid with axes ``size_m``, its surface moved along the radii as ``seed`` draws it.
+
+    ``relief``: rms of the logarithm of the radius, over lumps of all sizes down to a ``2**octaves``-th of the body.
+    """
+
+    type: Literal["rubble"]
+    size_m: PositiveVector3
+    relief: Annotated[float, Field(ge=0, le=0.5)] = 0.1
+    octaves: Annotated[int, Field(ge=1, le=6)] = 4
+    subdivisions: Annotated[int, Field(ge=2, le=7)] = 5
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+
+
 class MeshFile(Spec):
     """A mesh from a file beside the scenario (STL, OBJ, PLY, GLB...); ``scale`` takes the file's unit to metres."""
 
@@ -145,4 +159,6 @@ class MeshFile(Spec):
 
 
 Revolved = Tube | Cone | Dish | Lathe
-Shape = Annotated[Box | CrinkledBox | Cylinder | Tube | Cone | Dish | Lathe | Sphere | MeshFile, Field(discriminator="type")]
+Shape = Annotated[
+    Box | CrinkledBox | Cylinder | Tube | Cone | Dish | Lathe | Sphere | Rubble | MeshFile, Field(discriminator="type")
+]

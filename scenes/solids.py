@@ -11,7 +11,8 @@ from scenes.arrays import Floats, frozen
 from scenes.assets import load_mesh
 from scenes.crinkle import crinkled_box
 from scenes.lathe import revolved
-from scenes.shapes import Box, CrinkledBox, Cylinder, MeshFile, Revolved, Shape, Sphere
+from scenes.rubble import rubble
+from scenes.shapes import Box, CrinkledBox, Cylinder, MeshFile, Revolved, Rubble, Shape, Sphere
 from scenes.target import Part, Target
 
 
@@ -48,6 +49,8 @@ def _triangles(shape: Shape) -> tuple[Any, Any]:
         return crinkled_box(shape)
     if isinstance(shape, Revolved):
         return revolved(shape)
+    if isinstance(shape, Rubble):
+        return rubble(shape)
     mesh = _from_trimesh(shape)
     return mesh.vertices, mesh.faces
 
