@@ -29,8 +29,8 @@ def without_returns(values: np.ndarray) -> np.ndarray:
 
 def moved_cloud(model: ModelCloud, relabelling: RigidTransform) -> ModelCloud:
     """A writable copy of a model in other axes."""
-    points, normals = relabelling.apply(model.points_target), relabelling.rotation.apply(model.normals_target)
-    return ModelCloud(np.array(points), np.array(normals))
+    points, normals = model.points_target.copy(), model.normals_target.copy()  # SciPy cannot turn a read-only array
+    return ModelCloud(np.array(relabelling.apply(points)), np.array(relabelling.rotation.apply(normals)))
 
 
 def arrays(one: Observation, other: Observation) -> Iterator[tuple[str, str, np.ndarray, np.ndarray]]:

@@ -52,6 +52,8 @@ def declare(
     picture, or on a side that is turned away), for a circle without a rig, and for a model that no LIDAR could use.
     """
     if lidar is not None or (dataset.lidars and not dataset.sensors):
+        if rig is not None:
+            raise UsageError("a stereo rig is told of with a circle, not with a LIDAR")
         return _of_lidar(dataset, feature_name, lidar, grant_model)
     if grant_model:
         raise UsageError("a model of the target is told to methods for a LIDAR; name one with --lidar, where the data set has one")
