@@ -108,7 +108,7 @@ TABLE = (
     Bad(
         "unknown type",
         (
-            "shape.type: got 'bocks', must be one of box, crinkled-box, cylinder, tube, cone, dish, lathe, sphere, mesh; "
+            "shape.type: got 'bocks', must be one of box, crinkled-box, cylinder, tube, cone, dish, lathe, sphere, rubble, mesh; "
             "did you mean 'box'?",
         ),
         _in(OWN, '"box", size_m', '"bocks", size_m'),
@@ -151,7 +151,11 @@ TABLE = (
     ),
     Bad("two parts of one name", ("target: two parts are called 'box'",), _in(OWN, '"dish"', '"box"')),
     Bad("bad camera name", ("cameras.Nav 1: got 'Nav 1', must match ^[a-z]",), _in(SCENARIO, "nav =", '"Nav 1" =')),
-    Bad("no camera", ("a scenario needs at least one entry under cameras, rigs or lidars",), _in(SCENARIO, 'nav = "guppy-f125b"', "")),
+    Bad(
+        "no camera",
+        ("a scenario needs at least one entry under cameras, rigs or lidars",),
+        _in(SCENARIO, 'nav = "guppy-f125b"', ""),
+    ),
     Bad(
         "duplicate key",
         ("scenario.toml: it is not valid TOML: cannot overwrite a value (at line 4",),
