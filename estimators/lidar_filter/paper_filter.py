@@ -64,10 +64,9 @@ class PaperFilter:
             raise RuntimeError("the filter has not been started")
         if self._broken or time_s < last.time_s:
             return Innovation(np.nan, _DOF, False)
-        base = self.state if self.state.time_s <= time_s else last
         pose = measurement.lidar_from_target
         with np.errstate(all="ignore"):
-            prior = predicted(base, time_s, chaser, self._parameters)
+            prior = predicted(last, time_s, chaser, self._parameters)
             if not self._advanced(prior):
                 return Innovation(np.nan, _DOF, False)
             there = chaser_at(chaser, time_s)

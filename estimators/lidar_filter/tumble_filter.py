@@ -65,8 +65,7 @@ class TumbleFilter:
         if measurement.time_s < last.time_s:
             self.predict(chaser)
             return Innovation(np.nan, _DOF, False)
-        base = self.state if self.state.time_s <= measurement.time_s else last
-        prior = predicted(base, measurement.time_s, ChaserOrbit.of(chaser), self._parameters)
+        prior = predicted(last, measurement.time_s, ChaserOrbit.of(chaser), self._parameters)
         self._refused += 1
         doubtful = self._refused > self._parameters.measurement.patience
         prior = doubted(prior, self._parameters) if doubtful else prior

@@ -69,10 +69,9 @@ def updated(
     cross = P @ H.swapaxes(-1, -2)
     S_inverse = np.asarray(np.linalg.inv(H @ cross + R), dtype=np.float64)
     nis = np.sum(residual * times(S_inverse, residual), axis=-1)
-    accepted = np.asarray((nis <= gate) & np.isfinite(nis))
-    residual = np.where(accepted[..., None], residual, 0.0)  # no product: what is refused may be no number
-    gain = np.where(accepted[..., None, None], cross @ S_inverse, 0.0)
+    accepted = np.asarray((nis <= gate) & np.isfinite(nis))  # a choice and no product: what is refused may be no number
+    gain = cross @ S_inverse
     keep = _EYE - gain @ H
-    P = keep @ P @ keep.swapaxes(-1, -2) + gain @ R @ gain.swapaxes(-1, -2)
-    P = (P + P.swapaxes(-1, -2)) / 2
-    return state.corrected(times(gain, residual), P, least_moment), nis
+    joseph = keep @ P @ keep.swapaxes(-1, -2) + gain @ R @ gain.swapaxes(-1, -2)
+    P = np.where(accepted[..., None, None], (joseph + joseph.swapaxes(-1, -2)) / 2, P)
+    return state.corrected(np.where(accepted[..., None], times(gain, residual), 0.0), P, least_moment), nis

@@ -19,18 +19,28 @@ FINE = (0.005, 0.05)
 GATE = 22.46  # χ²₆ at 0.999
 
 
+def rms(values):
+    """Root of the mean of squares."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 @dataclass(frozen=True)
 class Run:
-    """What the filters did: errors (K, M, 20), NEES (K, M), NIS (K, M), J (K, M, 3, 3)."""
+    """What the filters did: errors and their claimed 1σ (K, M, 20), NEES (K, M), NIS (K, M), J (K, M, 3, 3)."""
 
     error: np.ndarray
+    sigma: np.ndarray
     nees: np.ndarray
     nis: np.ndarray
     J: np.ndarray
 
     def three_sigma(self, of, since=800):
         """3 × RMS over components and seeds, from a time in s."""
-        return 3 * float(np.sqrt(np.mean(self.error[since:, :, of] ** 2)))
+        return 3 * rms(self.error[since:, :, of])
+
+    def claimed(self, of, since=800):
+        """The same of the filters' own σ."""
+        return 3 * rms(self.sigma[since:, :, of])
 
     def inertia_error(self):
         """‖ΔJ‖ / trace (K, M)."""
@@ -75,7 +85,7 @@ def run(truth, seeds, parameters=None, sigma=PAPER, start=None, gate=np.inf, **m
     """Filters all seeds; ``start``: 1σ (20,) of errors that a first state is drawn with (None: begun from a measurement)."""
     parameters = parameters or TumbleParameters()
     R = stated(np.diag(np.repeat(sigma, 3)) ** 2, parameters)
-    log, state = {"error": [], "nees": [], "nis": [], "J": []}, None
+    log, state = {"error": [], "sigma": [], "nees": [], "nis": [], "J": []}, None
     for k, (rotation, origin) in enumerate(measured(truth, seeds, sigma, **more)):
         chaser = truth.chasers[k]
         view = View.of(chaser, Rotation.identity(), -tumbling.MOUNT.translation)
@@ -89,6 +99,7 @@ def run(truth, seeds, parameters=None, sigma=PAPER, start=None, gate=np.inf, **m
         error = errors(truth, k, state)
         P = state.covariance[:, :20, :20]
         log["error"].append(error)
+        log["sigma"].append(np.sqrt(np.diagonal(P, axis1=1, axis2=2)))
         log["nees"].append(np.sum(error * np.linalg.solve(P, error[..., None])[..., 0], axis=1))
         log["nis"].append(nis)
         log["J"].append(state.J)
