@@ -3,14 +3,14 @@
 ``lvlh`` is the chaser's local-vertical-local-horizontal frame: x away from the Earth, z along the orbit's normal.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from estimators.lidar_filter.relative_orbit import EARTH_GM_M3_S2, OrbitRates
 from estimators.lidar_filter.rigid_body import cross_matrix
-from scenes.arrays import Floats, unit
+from scenes.arrays import Floats
 from scenes.recording import ChaserState
 
 
@@ -26,36 +26,29 @@ def has_orbit(chaser: ChaserState) -> bool:
 
 
 def chaser_at(chaser: ChaserState, time_s: float) -> ChaserState:
-    """The chaser a little earlier or later: at a constant turn rate, along a two-body orbit (one Runge-Kutta step)."""
+    """The chaser a little earlier or later: at a constant turn rate, along its two-body orbit's series to third order."""
     dt = time_s - chaser.time_s
     if dt == 0:
         return chaser
     turned = chaser.inertial_from_chaser * Rotation.from_rotvec(chaser.omega_chaser_rad_s * dt)
-    now = replace(chaser, time_s=time_s, inertial_from_chaser=turned)
-    if not has_orbit(chaser):
-        return now
-    state = np.concatenate([chaser.position_inertial_m, chaser.velocity_inertial_m_s])
-    a = _two_body(state)
-    b = _two_body(state + dt / 2 * a)
-    c = _two_body(state + dt / 2 * b)
-    d = _two_body(state + dt * c)
-    state = state + dt / 6 * (a + 2 * b + 2 * c + d)
-    return replace(now, position_inertial_m=state[:3], velocity_inertial_m_s=state[3:])
-
-
-def _two_body(state: Floats) -> Floats:
-    """d/dt of position and velocity (6,)."""
-    radius = np.sqrt(state[:3] @ state[:3])
-    return np.concatenate([state[3:], -EARTH_GM_M3_S2 / radius**3 * state[:3]])
+    r, v = chaser.position_inertial_m, chaser.velocity_inertial_m_s
+    if has_orbit(chaser):
+        square = r @ r
+        rate = EARTH_GM_M3_S2 / square**1.5  # n²: acceleration −n² r, and of that the derivative
+        pull, change = -rate * r, -rate * (v - 3 * (r @ v) / square * r)
+        r, v = r + dt * (v + dt / 2 * (pull + dt / 3 * change)), v + dt * (pull + dt / 2 * change)
+    return ChaserState(time_s, turned, r, v, chaser.omega_chaser_rad_s)
 
 
 def inertial_from_lvlh(chaser: ChaserState) -> Floats:
     """Axes of the chaser's orbital frame as the columns of a matrix (3, 3); the inertial axes where there is no orbit."""
     if not has_orbit(chaser):
         return np.eye(3)
-    x = unit(chaser.position_inertial_m)
-    z = unit(cross_matrix(x) @ chaser.velocity_inertial_m_s)
-    return np.stack([x, cross_matrix(z) @ x, z], axis=1)
+    r, v = chaser.position_inertial_m, chaser.velocity_inertial_m_s
+    x = r / np.sqrt(r @ r)
+    along = v - (v @ x) * x
+    y = along / np.sqrt(along @ along)
+    return np.stack([x, y, cross_matrix(x) @ y], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,6 +17,7 @@ POSITION, VELOCITY, OFFSET = slice(11, 14), slice(14, 17), slice(17, 20)
 ROTATION, TRANSLATION = slice(0, 11), slice(11, 17)
 DRIFT_ATTITUDE, DRIFT_POSITION, DRIFT = slice(20, 23), slice(23, 26), slice(20, 26)
 STATES, ALL = 20, 26
+_MOST_OF_ONE = np.sqrt(2 / 3)  # no eigenvalue of Σ j_i E_i is more than this share of |j|, as there is no trace
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,10 +62,10 @@ class TumbleState:
 
 def bounded(inertia: Floats, least_moment: float) -> Floats:
     """j (..., 5) with the principal moments of J lifted to ``least_moment`` where they are less, trace 3."""
-    J = inertia_of(inertia)
-    if not np.isfinite(J).all():
-        return inertia  # diverged: the filter says so itself
-    moments, axes = np.linalg.eigh(J)
+    length = np.sqrt((inertia * inertia).sum(axis=-1).max())
+    if not length * _MOST_OF_ONE > 1 - least_moment:  # also where it is no number: the filter says so itself
+        return inertia
+    moments, axes = np.linalg.eigh(inertia_of(inertia))
     if moments.min() >= least_moment:
         return inertia
     lifted = np.maximum(moments, least_moment)

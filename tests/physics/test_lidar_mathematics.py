@@ -392,7 +392,7 @@ def test_the_chaser_between_its_states():
         )
         found = chaser_at(first, times[1])
         assert np.abs(found.position_inertial_m - exact[1, :3]).max() < off_m
-        assert np.abs(found.velocity_inertial_m_s - exact[1, 3:]).max() < 1e-11
+        assert np.abs(found.velocity_inertial_m_s - exact[1, 3:]).max() < 1e-9
     onward = chaser_at(truth.chasers[100], 101.0)
     turn = (onward.inertial_from_chaser.inv() * truth.chasers[101].inertial_from_chaser).magnitude()
     assert turn < 3e-6  # over 1 s at 1e-3 rad/s; the rate itself changes
