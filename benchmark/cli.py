@@ -81,7 +81,7 @@ def list_(
         str | None,
         typer.Argument(
             metavar="[KIND]",
-            help="Only scenarios, estimators, suites, targets, cameras, rigs, lidars, lights or materials.",
+            help="Only scenarios, estimators, suites, targets, cameras, rigs, lidars, lights, displays or materials.",
         ),
     ] = None,
     debug: Debug = False,

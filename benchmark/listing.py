@@ -2,7 +2,7 @@
 
 from scenes.errors import UsageError, unknown
 
-KINDS = ("scenarios", "estimators", "suites", "targets", "cameras", "rigs", "lidars", "lights", "materials")
+KINDS = ("scenarios", "estimators", "suites", "targets", "cameras", "rigs", "lidars", "lights", "displays", "materials")
 
 
 def listing(kind: str) -> list[tuple[str, str]]:

@@ -19,7 +19,7 @@ class Noise:
     ``alarm``, ``alarm_place`` (beams,): uniform; ``alarm_strength`` (beams,): exponential with mean 1.
     """
 
-    strength: Floats
+    strength: NDArray[np.float32]
     range: Floats
     alarm: Floats
     alarm_place: Floats
@@ -31,7 +31,7 @@ class Noise:
         beams = shape[0]
         alarm = stream(seed, frame, f"{name}.false-alarm").random((2, beams)) if alarms else np.ones((2, 0))
         return cls(
-            strength=stream(seed, frame, f"{name}.strength").standard_normal(shape),
+            strength=stream(seed, frame, f"{name}.strength").standard_normal(shape, dtype=np.float32),
             range=stream(seed, frame, f"{name}.range").standard_normal((2, beams)),
             alarm=alarm[0],
             alarm_place=alarm[1],

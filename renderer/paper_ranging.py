@@ -24,7 +24,7 @@ def paper_reports(model: PaperRanging, echoes: Echoes, gate_m: tuple[float, floa
     fate = np.where((fate == BeamFate.RETURN) & _cut_off(model, echoes, seed, frame, name)[beams], BeamFate.CUT_OFF, fate)
     noise = stream(seed, frame, f"{name}.range").standard_normal(len(hit))[beams] * model.sigma_m
     edge = stream(seed, frame, f"{name}.edge").standard_normal(len(hit))[beams] * model.edge_sigma_m
-    measured = range_m + noise + np.where(straddles(echoes, model.edge_step_m)[beams], edge, 0.0)
+    measured = range_m + noise + np.where(straddles(echoes.rows(beams), model.edge_step_m), edge, 0.0)
     seen = fate == BeamFate.RETURN
     reports.fate[0, beams] = fate
     reports.source[0, beams] = 0
@@ -39,15 +39,14 @@ def straddles(echoes: Echoes, step_m: float) -> Bools:
 
     Opposite sub-rays of a ring meet a plane, however tilted, at ranges whose mean is that of the axis.
     """
-    hit, range_m = echoes.cosine > 0, echoes.range_m.astype(np.float64)
-    partly = hit.any(axis=1) & ~hit.all(axis=1)
-    rings = [range_m[:, first : first + count] for first, count in ((1, 6), (7, 12)) if hit.shape[1] >= first + count]
-    bent = np.zeros(len(hit), np.bool_)
-    for ring in rings:
-        half = ring.shape[1] // 2
-        apart = (ring[:, :half] + ring[:, half:]) / 2 - range_m[:, :1]
-        bent |= np.abs(apart).max(axis=1) > step_m
-    return partly | (hit.all(axis=1) & bent)
+    count = (echoes.cosine > 0).sum(axis=1)
+    whole, range_m = count == echoes.cosine.shape[1], echoes.range_m.astype(np.float64)
+    bent = np.zeros(len(count), np.bool_)
+    for first, last in ((1, 7), (7, 19)):
+        half = (first + last) // 2
+        apart = (range_m[:, first:half] + range_m[:, half:last]) / 2 - range_m[:, :1]
+        bent |= (np.abs(apart) > step_m).any(axis=1)
+    return np.asarray((count > 0) & (~whole | bent))
 
 
 def _cut_off(model: PaperRanging, echoes: Echoes, seed: int, frame: int, name: str) -> Bools:

@@ -9,6 +9,7 @@ from renderer.masks import Light
 from renderer.photograph import Photograph, Photographer
 from renderer.photometry import photometry
 from renderer.quality import PRESETS, Preset
+from renderer.scan_plan import scan_plan
 from renderer.window import refuse_fast_spin
 from scenes.arrays import Floats
 from scenes.emitter import Patches
@@ -33,27 +34,35 @@ _TARGET_BYTES, _PICTURE_BYTES = 38.0, 0.35  # per pixel of the target and of the
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is ahead: ``frames`` × ``sensors`` pictures, about ``cpu_s`` and ``disk_bytes``; ``warnings`` are whole sentences."""
+    """What is ahead: ``frames`` × ``sensors`` pictures, about ``cpu_s`` and ``disk_bytes``; ``warnings`` are whole sentences.
+
+    ``scans``: numbers in one scan of each LIDAR.
+    """
 
     frames: int
     sensors: int
     cpu_s: float
     disk_bytes: float
     warnings: tuple[str, ...]
+    scans: tuple[int, ...] = ()
 
     def sentence(self) -> str:
         """The plan as a person reads it."""
         hours, minutes = divmod(round(self.cpu_s / 60), 60)
         time = f"{hours} h {minutes} min" if hours else f"{minutes} min" if minutes else f"{max(self.cpu_s, 1):.0f} s"
         size = f"{self.disk_bytes / 1e9:.1f} GB" if self.disk_bytes > 1e9 else f"{max(self.disk_bytes / 1e6, 1):.0f} MB"
-        return f"{self.frames} frames × {self.sensors} cameras, about {time} of CPU and {size} of disk"
+        cameras = f"{self.sensors} cameras" if self.sensors or not self.scans else ""
+        points = " + ".join(f"{beams:,}" for beams in self.scans)
+        lidars = f"{len(self.scans)} LIDAR{'s' if len(self.scans) > 1 else ''} ({points} points)" if self.scans else ""
+        sensors = " and ".join(text for text in (cameras, lidars) if text)
+        return f"{self.frames} frames × {sensors}, about {time} of CPU and {size} of disk"
 
 
 def plan(scenario: Scenario, frames: range) -> Plan:
-    """Looks at the geometry of some frames and renders three roughly.
+    """Looks at the geometry of some frames, renders three roughly and scans a few.
 
     Raises ``UsageError`` naming the field: a light inside of the target, a rig that never has the target in both pictures, an
-    exposure that saturates the target in every frame tried or leaves it without light.
+    exposure that saturates the target in every frame tried or leaves it without light, a LIDAR that never meets it.
     """
     refuse_fast_spin(scenario)
     looks = [realize(scenario, scenario.seed, frame) for frame in _some(frames, _LOOKS)]
@@ -68,7 +77,11 @@ def plan(scenario: Scenario, frames: range) -> Plan:
         cost_s += _cost_s(scenario, name, covered)
         camera = scenario.sensors[name]
         size += _TARGET_BYTES * covered + _PICTURE_BYTES * camera.width_px * camera.height_px
-    return Plan(len(frames), len(scenario.sensors), cost_s * len(frames), size * len(frames), tuple(warnings))
+    scans = [scan_plan(scenario, name, list(frames)) for name in scenario.lidars]
+    cost_s, size = (sum(costs) for costs in zip((cost_s, size), *((one.cpu_s, one.disk_bytes) for one in scans)))
+    warnings += [warning for one in scans for warning in one.warnings]
+    points = tuple(one.beams for one in scans)
+    return Plan(len(frames), len(scenario.sensors), cost_s * len(frames), size * len(frames), tuple(warnings), points)
 
 
 def refuse_lights_inside(scenario: Scenario, scenes: list[Scene]) -> None:

@@ -61,6 +61,11 @@ class Scanner:
         shaped = {key: array.reshape(*shape, *array.shape[2:]) for key, array in beams.items()}
         return Sounding(self._scan(reports, shape), shaped, truth)
 
+    @property
+    def is_slow(self) -> bool:
+        """Whether rays are traced one by one."""
+        return self._caster.is_scalar
+
     def echoes(self, scene: Scene) -> Echoes:
         """What the sub-rays meet, without a receiver."""
         sun = self._sun_of(scene)
