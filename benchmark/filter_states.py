@@ -13,10 +13,12 @@ AXES = ("x", "y", "z")
 class State:
     """One state: ``errors`` and ``sigmas`` are columns in SI and radians; times ``scale`` they are in ``unit``, as ``level`` is.
 
-    ``form`` prints one of its figures. A state without ``sigmas`` is derived, and no method states its uncertainty.
+    ``symbol``: its short name. ``form`` prints one of its figures. A state without ``sigmas`` is derived, and no method states how
+    uncertain it is.
     """
 
     key: str
+    symbol: str
     title: str
     unit: str
     level: float
@@ -39,13 +41,13 @@ _RHO = _vector("rho_{}_error_m", "sigma_com_{}_m")
 _TURN = tuple(f"q_pb_{axis}_error_rad" for axis in AXES)
 
 STATES = (
-    State("attitude", "attitude", "deg", 1.5, *_ATTITUDE, scale=math.degrees(1.0), form="%.2f"),
-    State("omega", "angular velocity ω", "rad/s", 0.01, *_OMEGA, form="%.5f"),
-    State("p", "inertia ratios p", "", 0.05, ("p1_error", "p2_error")),
-    State("r", "relative position r", "m", 0.3, *_REL),
-    State("v", "relative velocity v", "m/s", 0.005, *_REL_V, form="%.4f"),
-    State("q_pb", "{P} against {B}", "rad", 0.02, _TURN),
-    State("rho", "ρ, from the centre of mass to {P}", "m", 0.1, *_RHO),
+    State("attitude", "attitude", "attitude", "deg", 1.5, *_ATTITUDE, scale=math.degrees(1.0), form="%.2f"),
+    State("omega", "ω", "angular velocity", "rad/s", 0.01, *_OMEGA, form="%.5f"),
+    State("p", "p", "inertia ratios", "", 0.05, ("p1_error", "p2_error")),
+    State("r", "r", "relative position", "m", 0.3, *_REL),
+    State("v", "v", "relative velocity", "m/s", 0.005, *_REL_V, form="%.4f"),
+    State("q_pb", "{P}→{B}", "{P} against the principal axes {B}", "rad", 0.02, _TURN),
+    State("rho", "ρ", "from the centre of mass to {P}", "m", 0.1, *_RHO),
 )
 KEYS = tuple(state.key for state in STATES)
 

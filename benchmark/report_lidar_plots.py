@@ -62,6 +62,7 @@ def honesty_plot(lines: Sequence[Line], bounds: tuple[float, float], salt: str, 
         axes.axhspan(*bounds, color=FAINT, alpha=0.6, linewidth=0)
         _draw_lines(axes, lines, np.nanmax)
         _dress(axes, "NEES, mean over seeds")
+        _decades(axes)
         axes.set_xlabel("time (s)", color=INK)
         return _finished(figure, label)
 
@@ -78,6 +79,7 @@ def registration_plot(attitude: Sequence[Line], position: Sequence[Line], salt: 
                 time_s, values = thinned(line.time_s, line.values, np.nanmax)
                 axes.plot(time_s, values, marker, color=colour, markersize=2.2, markeredgewidth=0.7, markerfacecolor="none")
             _dress(axes, name)
+            _decades(axes)
         lower.set_xlabel("time (s)", color=INK)
         return _finished(figure, label)
 
@@ -118,7 +120,7 @@ def _state_panel(axes: Axes, state: State, track: StateTrack) -> None:
     for column, dash in zip(errors.T, _DASHES):
         axes.plot(time_s, column, color=colour, linewidth=0.9, linestyle=dash)
     _limit(axes, state.level, errors)
-    _dress(axes, state.title + (f" ({state.unit})" if state.unit else ""))
+    _dress(axes, state.symbol + (f" ({state.unit})" if state.unit else ""))
 
 
 def _widest(sigma: Floats) -> Floats:
@@ -132,6 +134,7 @@ def _inertia_panel(axes: Axes, track: StateTrack) -> None:
     time_s, values = thinned(track.time_s, track.inertia_error, np.nanmax)
     axes.plot(time_s, np.maximum(values, 1e-4), color=SERIES[track.series % len(SERIES)], linewidth=0.9)
     _dress(axes, "inertia, relative error")
+    _decades(axes)
 
 
 def _limit(axes: Axes, level: float, errors: Floats) -> None:
@@ -148,6 +151,17 @@ def _draw_lines(axes: Axes, lines: Sequence[Line], choose: Callable[..., Floats]
     for line in lines:
         time_s, values = thinned(line.time_s, line.values, choose)
         axes.plot(time_s, values, color=SERIES[line.series % len(SERIES)], linewidth=1.0)
+
+
+def _decades(axes: Axes) -> None:
+    """Ticks of a logarithmic axis: whole decades, with 2 and 5 between them where there are few."""
+    low, high = axes.get_ylim()
+    fine = high / low < 50
+    steps = [factor * 10.0**power for power in range(-9, 13) for factor in ((1, 2, 5) if fine else (1,))]
+    shown = [step for step in steps if low <= step <= high]
+    axes.set_yticks(shown, [f"{step:g}" for step in shown])
+    axes.set_ylim(low, high)
+    axes.minorticks_off()
 
 
 def _style(salt: str) -> AbstractContextManager[None]:

@@ -19,6 +19,8 @@ _BAND = 0.055  # height of one method's row of failures, of the axes' height
 # Colours that stand for CSS variables; matplotlib wants real ones, the SVG text is edited afterwards.
 INK, FAINT = "#010101", "#020202"
 SERIES = tuple(f"#0304{index:02d}" for index in range(len(MARKERS)))
+# Ids that matplotlib gives by kind and number, which are the same in every plot.
+_NAMED = "figure|axes|patch|line2d|matplotlib|text|xtick|ytick|PathCollection|FillBetweenPolyCollection|legend"
 _VARIABLES = {INK: "var(--ink)", FAINT: "var(--rule)"} | {
     colour: f"var(--series-{index})" for index, colour in enumerate(SERIES)
 }
@@ -110,7 +112,7 @@ def themed(figure: Figure) -> str:
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r'<svg [^>]*?viewBox="([^"]+)"[^>]*>', r'<svg viewBox="\1" role="img" class="plot">', svg, count=1)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'id="(figure|axes|patch|line2d|matplotlib|text|xtick|ytick|PathCollection|legend)[^"]*"', "", svg)
+    svg = re.sub(rf'id="({_NAMED})[^"]*"', "", svg)
     svg = re.sub(r"font: ([0-9.]+)px [^;\"]*", r"font-size: \1px", svg)
     for colour, variable in _VARIABLES.items():
         svg = svg.replace(colour, variable)
