@@ -53,6 +53,10 @@ class Candidates:
     sigma_m: Floats
     pulse: NDArray[np.int64]
 
+    def only(self, chosen: NDArray[np.int64]) -> "Candidates":
+        """Some of them."""
+        return Candidates(*(getattr(self, name)[chosen] for name in ("beam", "counted_e", "range_m", "sigma_m", "pulse")))
+
     def first_by(self, key: Floats) -> NDArray[np.int64]:
         """Of each beam the candidate with the least ``key``, as places among the candidates."""
         order = np.lexsort((key, self.beam))

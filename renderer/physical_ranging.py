@@ -34,7 +34,7 @@ def physical_reports(receiver: Receiver, echoes: Echoes, sun_w_m2_nm: float, see
 
 
 def _chosen(policy: str, offered: Candidates) -> list[NDArray[np.int64]]:
-    """For each block, which candidates are delivered; as a last return only one that is not the strongest, too."""
+    """For each block, which candidates are delivered. Where the last is the strongest, the next strongest goes with it."""
     if policy == "first":
         return [offered.first_by(offered.range_m)]
     if policy == "last":
@@ -42,8 +42,10 @@ def _chosen(policy: str, offered: Candidates) -> list[NDArray[np.int64]]:
     strongest = offered.first_by(-offered.counted_e)
     if policy == "strongest":
         return [strongest]
-    last = offered.first_by(-offered.range_m)
-    return [strongest, last[~np.isin(last, strongest)]]
+    others = np.setdiff1d(np.arange(len(offered.beam)), strongest)
+    last_is_strongest = np.isin(offered.beam, offered.beam[np.intersect1d(strongest, offered.first_by(-offered.range_m))])
+    key = np.where(last_is_strongest, -offered.counted_e, -offered.range_m)
+    return [strongest, others[offered.only(others).first_by(key[others])]]
 
 
 def _deliver(

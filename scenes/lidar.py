@@ -18,8 +18,8 @@ class Lidar(Spec):
     """A LIDAR and where it is mounted. Its axes are a camera's: x right, y down, z along the middle of its field.
 
     ``gate_m``: least and most range at which the receiver listens. ``returns``: which return of a beam is delivered;
-    ``strongest-and-last`` delivers two, the last ones as a second block of rows below the first. ``delay_s``: by how much the
-    middle of a scan lies before the frame's time.
+    ``strongest-and-last`` delivers two, the last (where that is the strongest: the next strongest) as a second block of rows
+    below the first. ``delay_s``: by how much the middle of a scan lies before the frame's time.
     """
 
     type: Literal["lidar"] = "lidar"
