@@ -181,4 +181,4 @@ def _dress(axes: Axes, label: str) -> None:
 def _finished(figure: Figure, label: str) -> str:
     """The SVG with a text for readers who cannot see it, and no more digits than a screen shows."""
     svg = themed(figure).replace('role="img"', f'role="img" aria-label="{escape(label)}"', 1)
-    return re.sub(r"(\d\.\d{2})\d+", r"\1", svg)
+    return re.sub(r'"[^"]*"', lambda attribute: re.sub(r"(\d\.\d{2})\d+", r"\1", attribute[0]), svg)
