@@ -2,11 +2,18 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from scenes.spec import NonNegative, Spec, is_empty
 
 Pixel = tuple[float, float]
+
+
+def _plain(value: Any) -> Any:
+    """As JSON has it, so that what was asked for compares with what was read back: tuples are lists."""
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
 
 
 class CornerPriorRecord(Spec):
@@ -98,7 +105,7 @@ class RunRecord(Spec):
     dataset_identity: Annotated[str, Field(min_length=1)]
     label: str = ""
     method_version: str = ""
-    parameters: dict[str, Any] = Field(default_factory=dict)
+    parameters: Annotated[dict[str, Any], AfterValidator(_plain)] = Field(default_factory=dict)
     knowledge: KnowledgeRecord | None = None
     start_cpu_s: NonNegative | None = None
     start_wall_s: NonNegative | None = None

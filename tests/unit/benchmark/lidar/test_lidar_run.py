@@ -134,3 +134,10 @@ def test_each_broken_promise_is_found(recording: Any, lidar_dataset: Dataset, mi
 def test_a_method_without_a_model_conforms_too(lidar_dataset: Dataset, recording: Any) -> None:
     knowledge = replace(recording[0], model=None)
     assert faults(lambda: Lookup(_places(lidar_dataset), None), knowledge, recording[1]) == []
+
+
+def test_parameters_with_lists_compare_with_what_was_read_back() -> None:
+    """TOML's arrays come as tuples and JSON's as lists; a run that is repeated is the same run."""
+    parameters = {"filter": {"guess": {"p": (3.0, 4.5), "omega": (0.1, (1, 2))}}}
+    record = RunRecord(format="hardlight-predictions", version=1, method="m", dataset_identity="d", parameters=parameters)
+    assert RunRecord.model_validate_json(record.model_dump_json()).parameters == record.parameters
