@@ -7,11 +7,13 @@ from pathlib import Path
 from benchmark import results
 from benchmark.case import Case, CaseRun
 from benchmark.entries import Task, done_here, done_in_processes
+from benchmark.limits import Limits
 from benchmark.progress import Progress
 from benchmark.results import CaseHeading, Entry, Results
 from benchmark.suite import Suite
+from estimators import registry
 from scenes.dataset import Dataset
-from scenes.errors import DatasetConflict
+from scenes.errors import DatasetConflict, UsageError, unknown
 from scenes.features import CircleFeature
 from scenes.scenario import Quality
 
@@ -23,18 +25,29 @@ def _silent(_: str) -> AbstractContextManager[Progress | None]:
     return nullcontext(None)
 
 
-def bench(suite: Suite, out: Path, *, workers: int = 1, quality: Quality | None = None, stages: Stages = _silent) -> Results:
+def bench(
+    suite: Suite,
+    out: Path,
+    *,
+    workers: int = 1,
+    quality: Quality | None = None,
+    stages: Stages = _silent,
+    in_process: bool = False,
+) -> Results:
     """Runs ``suite`` into ``out`` and returns its index, which is also written there as results.json.
 
     ``stages`` opens the progress of one stage by its title. Data sets already in ``out`` are reused where their digest
     fits, else refused; answers and scores are always made anew. ``workers`` processes render, then answer, an entry each.
+    Every method runs in a process of its own, within the suite's limits; ``in_process`` runs them here, to be debugged. One that
+    crashes, hangs or cannot be loaded has failed in the frames concerned. Raises ``UsageError`` for a method that nobody knows.
     """
+    _refuse_unknown_methods(suite)
     runs = [(case, run) for case in suite.cases for run in case.runs]
     tasks: list[Task] = []
     for case, run in runs:
         path = out / _DATASETS / run.name
         _render(suite, case, run, path, workers, quality, stages)
-        tasks += _tasks(suite, case, run, path, out)
+        tasks += _tasks(suite, case, run, path, out, None if in_process else suite.limits)
     if workers == 1:
         done_here(tasks, stages)
     else:
@@ -79,7 +92,14 @@ def _render(
         )
 
 
-def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path) -> Iterator[Task]:
+def _refuse_unknown_methods(suite: Suite) -> None:
+    """Before anything is rendered. One named by ``package.module:Class`` may come or not: that is its own matter."""
+    for title, method in suite.methods.items():
+        if ":" not in method.estimator and method.estimator not in registry.names():
+            raise UsageError(f"methods.{title}.estimator: {unknown('method', method.estimator, registry.names())}")
+
+
+def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, limits: Limits | None) -> Iterator[Task]:
     """Every method on every feature of one data set, or on its LIDAR."""
     circles = {one.name for one in case.scenario.target.features if isinstance(one, CircleFeature)}
     lidar = None if case.features else case.lidar or next(iter(case.scenario.lidars))
@@ -96,6 +116,7 @@ def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path) -> 
                 sigma_px=suite.prior_sigma_px,
                 settle_s=case.settle_s,
                 folder=out / _ENTRIES / run.name / (feature or lidar or "all") / title,
+                limits=limits,
             )
 
 

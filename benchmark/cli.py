@@ -55,6 +55,9 @@ Quality = Annotated[
     typer.Option(metavar="PRESET", help="reference, standard, fast or draft instead of the scenario's own quality."),
 ]
 Overrides = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Replace a value; repeatable.")]
+InProcess = Annotated[
+    bool, typer.Option("--in-process", help="Run methods in this process, to debug one: a crash or a hang is then everybody's.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, only results and errors.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
@@ -141,6 +144,10 @@ def estimate(
     lidar: Annotated[str | None, typer.Option(help="Which LIDAR it answers for, where there are other sensors.")] = None,
     model: Annotated[bool, typer.Option("--model", help="Tell it the target's surface, for a LIDAR.")] = False,
     overrides: Overrides = None,
+    step_timeout_s: Annotated[float, typer.Option(min=0.001, help="Wall seconds that one frame may take.")] = 30.0,
+    start_timeout_s: Annotated[float, typer.Option(min=0.001, help="Wall seconds that its imports and start may take.")] = 120.0,
+    memory_gib: Annotated[float, typer.Option(min=0.001, help="Memory that its process may use.")] = 4.0,
+    in_process: InProcess = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
@@ -148,7 +155,9 @@ def estimate(
     from benchmark import verbs
 
     told = {"feature_name": feature, "sigma_px": prior_sigma_px, "rig": rig, "lidar": lidar, "grant_model": model}
-    raise typer.Exit(verbs.estimate(method, dataset, out, told, overrides or [], Console(quiet)))
+    limits = {"step_timeout_s": step_timeout_s, "start_timeout_s": start_timeout_s, "memory_gib": memory_gib}
+    bounds = None if in_process else limits
+    raise typer.Exit(verbs.estimate(method, dataset, out, told, overrides or [], bounds, Console(quiet)))
 
 
 @app.command(short_help="answers against the truth", epilog=example("hardlight judge answers/wing data/in-plane --out scores/wing"))
@@ -172,13 +181,14 @@ def bench(
     out: Out,
     workers: Answerers = 1,
     quality: Quality = None,
+    in_process: InProcess = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
     """Run a suite: render or reuse its data sets, let every method answer, judge, print the table, write the page."""
     from benchmark import verbs
 
-    verbs.bench(suite, out, workers, quality, Console(quiet))
+    verbs.bench(suite, out, workers, quality, in_process, Console(quiet))
 
 
 @app.command(short_help="results → one self-contained page", epilog=example("hardlight report out/zhai2014"))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmark.case import CaseRun
+from benchmark.limits import Limits
 from benchmark.progress import Progress
 from benchmark.suite import Method
 from scenes.dataset import Dataset
@@ -19,7 +20,10 @@ Stages = Callable[[str], AbstractContextManager[Progress | None]]
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What makes one entry. ``feature`` or ``lidar`` says what is asked for; ``folder`` takes answers and scores."""
+    """What makes one entry. ``feature`` or ``lidar`` says what is asked for; ``folder`` takes answers and scores.
+
+    The method runs in a process of its own within ``limits``; where these are None, in the one that makes the entry.
+    """
 
     run: CaseRun
     dataset: Path
@@ -31,6 +35,7 @@ class Task:
     sigma_px: float
     settle_s: float
     folder: Path
+    limits: Limits | None
 
     @property
     def name(self) -> str:
@@ -82,7 +87,15 @@ def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
         grant_model=method.model,
     )
     given = run.estimate(
-        method.estimator, method.parameters, dataset, declaration, task.folder, label=task.title, progress=progress
+        method.estimator,
+        method.parameters,
+        dataset,
+        declaration,
+        task.folder,
+        label=task.title,
+        progress=progress,
+        limits=task.limits,
+        forgiving=True,
     )
     judge.write(task.folder, judge.judge(given, dataset, task.settle_s))
 

@@ -1,28 +1,33 @@
 """Loop 1: a method answers every frame of a data set. It is handed observations and its declared knowledge, nothing else."""
 
-import math
-from collections.abc import Mapping
-from numbers import Real
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from benchmark import methods, predictions
+from benchmark.answer import Answer, Opening, crashed
 from benchmark.errors import ResultsConflict
+from benchmark.files import publish
+from benchmark.guarded import IN_START, Answerer, Guarded, booked_under
+from benchmark.isolation.session import Isolated
 from benchmark.knowledge import Declaration
-from benchmark.machine import Stopwatch, this_machine
+from benchmark.limits import Limits
+from benchmark.machine import this_machine
 from benchmark.predictions import COLUMNS, QUATERNION, TRANSLATION, Predictions
 from benchmark.progress import Progress
 from benchmark.records import RunRecord
 from estimators import registry
-from estimators.api import Estimate, Estimator, Outcome
+from estimators.api import Estimator, Outcome
 from scenes.dataset import Dataset
-from scenes.recording import Knowledge, Observation
+from scenes.errors import UsageError
+from scenes.recording import Knowledge
 
-_IN_START = "start: "
-_TAKEN = ("frame", "sensor", "reason")  # columns of extras.parquet that are not the method's
+__all__ = ["LOG", "answer", "booked_under", "could_not_start", "estimate", "reasons_of_failure", "refuse_to_mix"]
+
+LOG = "log.txt"
 
 
 def estimate(
@@ -34,13 +39,15 @@ def estimate(
     *,
     label: str = "",
     progress: Progress | None = None,
+    limits: Limits | None = Limits(),  # noqa: B008 - frozen
+    forgiving: bool = False,
 ) -> Predictions:
     """Runs the registered ``method`` over ``dataset`` and writes its answers to ``out``.
 
-    Raises ``ResultsConflict`` where ``out`` already holds the answers of something else: another method, other parameters,
-    other knowledge or another data set.
+    It runs in a process of its own within ``limits``; where these are None, in this one. With ``forgiving`` a method that cannot
+    be loaded has crashed in every frame; without, that raises ``UsageError``. Raises ``ResultsConflict`` where ``out`` already
+    holds the answers of something else: another method, other parameters, other knowledge or another data set.
     """
-    estimator = registry.load(method, **parameters)
     record = RunRecord(
         format="hardlight-predictions",
         version=1,
@@ -53,46 +60,27 @@ def estimate(
         machine=this_machine(),
     )
     refuse_to_mix(out, record)
-    answers = answer(estimator, dataset, declaration.knowledge, record, progress)
+    with _where_it_runs(method, parameters, dataset, limits) as one:
+        answers = _answered(one, dataset, declaration.knowledge, record, progress, forgiving)
     predictions.write(out, answers)
+    _write_log(out, one)
     return answers
 
 
 def answer(
     estimator: Estimator, dataset: Dataset, knowledge: Knowledge, record: RunRecord, progress: Progress | None = None
 ) -> Predictions:
-    """The loop itself: start once, then one step a frame. An exception is the outcome ``crashed`` with its text.
+    """The loop in this process: start once, then one step a frame. An exception is the outcome ``crashed`` with its text.
 
     So is an attempt to end the process (sys.exit); Ctrl-C is the user's and goes through.
     """
-    sensor, opening = booked_under(knowledge), Stopwatch()
-    broken = _start(estimator, knowledge, opening)
-    rows, extras = [], []
-    for done, frame in enumerate(dataset.frames, start=1):
-        watch = Stopwatch()
-        result = _crashed(sensor, broken) if broken else _step(estimator, dataset.observation(frame), knowledge, sensor, watch)
-        rows.append(_row(frame, result, watch))
-        named = {name: float(value) for name, value in result.extras.items()}
-        extras.append({"frame": frame, "sensor": result.sensor, "reason": result.reason, **named})
-        if progress is not None:
-            progress(done, len(dataset.frames))
-    timed = record.model_copy(update={"start_cpu_s": opening.cpu_s, "start_wall_s": opening.wall_s})
-    return Predictions(timed, pd.DataFrame(rows, columns=list(COLUMNS)), pd.DataFrame(extras))
-
-
-def booked_under(knowledge: Knowledge) -> str:
-    """The sensor that a crash counts for: a rig's left camera, the first camera, or the first LIDAR where no feature is told of."""
-    if knowledge.pair is not None:
-        return knowledge.pair.left
-    if knowledge.lidars and (knowledge.rectangle is None or not knowledge.sensors):
-        return next(iter(knowledge.lidars))
-    return next(iter(knowledge.sensors))
+    return _answered(Guarded(lambda: estimator), dataset, knowledge, record, progress)
 
 
 def could_not_start(answers: Predictions) -> bool:
     """Whether ``start`` itself failed, so that no frame was ever asked."""
     reasons = reasons_of_failure(answers)
-    return bool(reasons) and all(reason.startswith(_IN_START) for reason in reasons)
+    return bool(reasons) and all(reason.startswith(IN_START) for reason in reasons)
 
 
 def reasons_of_failure(answers: Predictions) -> list[str]:
@@ -102,74 +90,61 @@ def reasons_of_failure(answers: Predictions) -> list[str]:
     return [reason for reason in answers.extras["reason"].unique().tolist() if reason]
 
 
-def _start(estimator: Estimator, knowledge: Knowledge, watch: Stopwatch) -> str:
-    """Why the method could not start, empty if it did."""
+@contextmanager
+def _where_it_runs(
+    method: str, parameters: Mapping[str, Any], dataset: Dataset, limits: Limits | None
+) -> Iterator[Isolated | Guarded]:
+    if limits is None:
+        yield Guarded(lambda: registry.load(method, **parameters), aloud=True)
+        return
+    with Isolated(method, parameters, limits, hidden=(dataset.path,)) as isolated:
+        yield isolated
+
+
+def _answered(
+    one: Answerer,
+    dataset: Dataset,
+    knowledge: Knowledge,
+    record: RunRecord,
+    progress: Progress | None = None,
+    forgiving: bool = False,
+) -> Predictions:
+    opening = _opened(one, knowledge, forgiving)
+    rows, extras = [], []
+    for done, frame in enumerate(dataset.frames, start=1):
+        given = opening.failure or one.step(dataset.observation(frame))
+        rows.append(_row(frame, given))
+        extras.append({"frame": frame, "sensor": given.sensor, "reason": given.reason, **given.extras})
+        if progress is not None:
+            progress(done, len(dataset.frames))
+    timed = record.model_copy(update={"start_cpu_s": opening.cpu_s, "start_wall_s": opening.wall_s})
+    return Predictions(timed, pd.DataFrame(rows, columns=list(COLUMNS)), pd.DataFrame(extras))
+
+
+def _opened(one: Answerer, knowledge: Knowledge, forgiving: bool) -> Opening:
     try:
-        with watch.running():
-            estimator.start(knowledge)
-    except (Exception, SystemExit) as error:
-        return f"{_IN_START}{type(error).__name__}: {error}"
-    return ""
+        return one.start(knowledge)
+    except UsageError as error:
+        if not forgiving:
+            raise
+        return Opening(failure=crashed(booked_under(knowledge), f"{IN_START}{error}"))
 
 
-def _step(estimator: Estimator, observation: Observation, knowledge: Knowledge, sensor: str, watch: Stopwatch) -> Estimate:
-    try:
-        with watch.running():
-            result = estimator.step(observation)
-    except (Exception, SystemExit) as error:
-        return _crashed(sensor, f"{type(error).__name__}: {error}")
-    return _checked(result, knowledge, sensor)
+def _row(frame: int, given: Answer) -> dict[str, object]:
+    pose = dict.fromkeys((*QUATERNION, *TRANSLATION), float("nan"))
+    pose |= dict(zip(QUATERNION, given.quaternion or (), strict=False))
+    pose |= dict(zip(TRANSLATION, given.translation_m or (), strict=False))
+    timing = {"cpu_s": given.cpu_s, "wall_s": given.wall_s}
+    return {"frame": frame, "sensor": given.sensor, "outcome": given.outcome.value, **pose, **timing}
 
 
-def _checked(result: object, knowledge: Knowledge, sensor: str) -> Estimate:
-    """``result`` where it keeps the contract, else a crash that says how it breaks it."""
-    if not isinstance(result, Estimate):
-        return _crashed(sensor, f"step returned {type(result).__name__}, not an Estimate")
-    if result.sensor not in {*knowledge.sensors, *knowledge.lidars}:
-        return _crashed(sensor, f"step answered for the unknown sensor {result.sensor!r}")
-    pose = [] if result.sensor_from_target is None else result.sensor_from_target.as_quat().ravel().tolist()
-    position = [] if result.translation_m is None else np.asarray(result.translation_m).ravel().tolist()
-    if len(pose) not in (0, 4) or len(position) not in (0, 3) or not all(math.isfinite(x) for x in pose + position):
-        return _crashed(sensor, "step answered with a pose that is not one finite rotation and position")
-    fault = _fault_of_extras(result.extras)
-    return _crashed(sensor, f"step answered with {fault}") if fault else result
-
-
-def _fault_of_extras(extras: object) -> str:
-    """What is wrong with a method's extras, empty if they are named numbers under names of their own."""
-    if not isinstance(extras, Mapping):
-        return f"extras that are a {type(extras).__name__}, not named numbers"
-    for name, value in extras.items():
-        if not isinstance(name, str) or name in _TAKEN:
-            return f"the extra {name!r}; a name is a text other than {', '.join(_TAKEN)}"
-        if not _is_number(value):
-            return f"the extra {name!r} = {value!r}, which is not a number"
-    return ""
-
-
-def _is_number(value: object) -> bool:
-    if not isinstance(value, Real | np.bool_):
-        return False
-    try:
-        float(value)
-    except (OverflowError, ValueError):  # a whole number of more than 308 digits
-        return False
-    return True
-
-
-def _crashed(sensor: str, reason: str) -> Estimate:
-    return Estimate(sensor, Outcome.CRASHED, reason=reason)
-
-
-def _row(frame: int, result: Estimate, watch: Stopwatch) -> dict[str, object]:
-    empty = dict.fromkeys((*QUATERNION, *TRANSLATION), float("nan"))
-    if result.sensor_from_target is not None:
-        quaternion = result.sensor_from_target.as_quat(canonical=True, scalar_first=True)
-        empty |= dict(zip(QUATERNION, np.ravel(quaternion).tolist(), strict=True))
-    if result.sensor_from_target is not None and result.translation_m is not None:
-        empty |= dict(zip(TRANSLATION, np.ravel(result.translation_m).tolist(), strict=True))
-    timing = {"cpu_s": watch.cpu_s, "wall_s": watch.wall_s}
-    return {"frame": frame, "sensor": result.sensor, "outcome": result.outcome.value, **empty, **timing}
+def _write_log(out: Path, one: Isolated | Guarded) -> None:
+    """The end of what a method in a process of its own printed; no file where it printed nothing."""
+    log = one.log if isinstance(one, Isolated) else b""
+    if log:
+        publish(out, {LOG: log})
+    else:
+        (out / LOG).unlink(missing_ok=True)
 
 
 def refuse_to_mix(out: Path, record: RunRecord) -> None:

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from pydantic import Field, model_validator
 
 from benchmark.case import Case, CaseRun, Name
+from benchmark.limits import Limits
 from benchmark.published import Published, PublishedFilter, PublishedRing
 from scenes.config import load
 from scenes.errors import unknown
@@ -39,12 +40,13 @@ class Note(Spec):
 
 
 class Suite(Spec):
-    """A leaderboard's rules."""
+    """A leaderboard's rules. ``limits``: what a method may cost on one data set before it is stopped."""
 
     title: str
     description: str
     prior_sigma_px: NonNegative = 3.0
     quality: Quality | None = None
+    limits: Limits = Limits()
     methods: Annotated[dict[Name, Method], Field(min_length=1)]
     cases: tuple[Case, ...]
     published: tuple[Published, ...] = ()

@@ -116,20 +116,24 @@ def estimate(
     out: Path,
     told: dict[str, Any],
     overrides: list[str],
+    limits: dict[str, float] | None,
     console: Console,
 ) -> int:
     """Runs one method over a data set and, where every frame failed, says why; 1 if the method could not even start.
 
-    ``told``: what ``benchmark.knowledge.declare`` takes.
+    ``told``: what ``benchmark.knowledge.declare`` takes. ``limits``: of the method's own process; None runs it in this one.
     """
     from benchmark import run
     from benchmark.knowledge import declare
+    from benchmark.limits import Limits
     from scenes.dataset import Dataset
 
     dataset = Dataset.open(path)
     declaration = declare(dataset, **told)
+    bounds = None if limits is None else Limits.of(limits)
     with console.stage(f"{method}: {len(dataset.frames)} frames") as progress:
-        answers = run.estimate(method, _parameters(overrides), dataset, declaration, out, progress=progress)
+        parameters = _parameters(overrides)
+        answers = run.estimate(method, parameters, dataset, declaration, out, progress=progress, limits=bounds)
     counts = answers.table["outcome"].value_counts()
     console.say(f"{out}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
     reasons = run.reasons_of_failure(answers)
@@ -170,17 +174,17 @@ def demo(out: Path, workers: int, console: Console) -> None:
     """The demo suite; where rays are traced one by one, a shorter one."""
     from renderer.variant import probe
 
-    bench("demo-slow" if probe().is_scalar else "demo", out, workers, None, console)
+    bench("demo-slow" if probe().is_scalar else "demo", out, workers, None, False, console)
 
 
-def bench(suite: str, out: Path, workers: int, quality: str | None, console: Console) -> None:
+def bench(suite: str, out: Path, workers: int, quality: str | None, in_process: bool, console: Console) -> None:
     """Runs a suite, prints the leaderboard, writes the page."""
     from benchmark import bench as benching
     from benchmark.suite import load_suite
 
     loaded, preset = load_suite(suite), _preset(quality)
     _warn_if_slow(console)
-    index = benching.bench(loaded, out, workers=workers, quality=preset, stages=console.stage)
+    index = benching.bench(loaded, out, workers=workers, quality=preset, stages=console.stage, in_process=in_process)
     _print_table(out, index, console)
     report(out, console)
 
