@@ -88,7 +88,7 @@ def _sensor(scenario: Scenario, name: str) -> dict[str, Any]:
     from renderer.photometry import photometry
 
     camera = scenario.sensors[name]
-    per_radiance = photometry(camera, scenario.lights[scenario.light_names[0]].spectrum).electrons_per_radiance
+    per_radiance = photometry(camera, scenario.radiance_spectrum).electrons_per_radiance
     rig_name = next((one for one, rig in scenario.rigs.items() if name in rig.sensors(one)), None)
     in_rig = {} if rig_name is None else {"rig": rig_entry(scenario.rigs[rig_name], rig_name, name)}
     return calibration(

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
 from renderer.detection import FixedPattern, detect, exposure_time_s, fixed_pattern
+from renderer.display import DisplaySession
 from renderer.masks import fractions, light_mask
 from renderer.optics import blurred
 from renderer.partner import outside_of_partner
@@ -15,7 +16,7 @@ from renderer.quality import PRESETS, Preset
 from renderer.runner import Layers
 from renderer.sensor import Shutter, exposure_instants_s, longest_exposure_s
 from renderer.session import Session, View
-from renderer.window import inside, place_window, survey, target_extent
+from renderer.window import inside, place_window, survey, target_extent, whole_picture
 from scenes.arrays import Floats
 from scenes.camera import Camera
 from scenes.detector import AutoExposure
@@ -50,17 +51,17 @@ class Photographer:
         self._points = bounding_points(scenario.target)
         self._cam_from_chaser = self._camera.mount.chaser_from_cam.inv()
         self._pattern: FixedPattern = fixed_pattern(self._camera, name, scenario.seed)
-        self._survey = survey(scenario, self._camera)
+        self._survey = survey(scenario, self._camera) if scenario.display is None else whole_picture(self._camera)
         partner = scenario.partner(name)
         self._partner: Camera | None = None if partner is None else scenario.sensors[partner]
-        self.session = Session(
-            scenario,
-            self._camera,
-            preset or PRESETS[scenario.quality],
-            self._survey.size,
-            moving=self._survey.moves,
-            has_partner=self._partner is not None,
-        )
+        self.session = self._session(preset or PRESETS[scenario.quality])
+
+    def _session(self, preset: Preset) -> Session | DisplaySession:
+        scenario, size = self._scenario, self._survey.size
+        if scenario.display is not None:
+            return DisplaySession(scenario, scenario.display, self._camera, preset, size)
+        paired = self._partner is not None
+        return Session(scenario, self._camera, preset, size, moving=self._survey.moves, has_partner=paired)
 
     def take(self, scene: Scene) -> Photograph:
         """Expose, detect, annotate."""

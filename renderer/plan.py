@@ -158,7 +158,7 @@ def _is_white(photo: Photograph) -> bool:
 
 def _brightest_dn(scenario: Scenario, name: str, photo: Photograph) -> float:
     """How far above black the brightest hundredth of the target's pixels lies, without noise."""
-    camera, spectrum = scenario.sensors[name], scenario.lights[scenario.light_names[0]].spectrum
+    camera, spectrum = scenario.sensors[name], scenario.radiance_spectrum
     light = sum(photo.layers[layer] for layer in ("direct_diffuse", "direct_specular", "indirect"))
     radiance = float(np.percentile(np.asarray(light)[photo.layers["coverage"] > 0], 99))
     return radiance * photometry(camera, spectrum).electrons_per_radiance * photo.exposure_s * camera.detector.gain_dn_per_e

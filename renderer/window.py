@@ -56,6 +56,12 @@ def survey(scenario: Scenario, camera: Camera) -> Survey:
     return Survey((min(grain[0], camera.width_px + over), min(grain[1], camera.height_px + over)), fastest > _STILL_PX)
 
 
+def whole_picture(camera: Camera) -> Survey:
+    """The window that holds all of the picture, and beside it what the lens can blur in."""
+    over = 2 * _border_px(camera)
+    return Survey((camera.width_px + over, camera.height_px + over), moves=False)
+
+
 def refuse_fast_spin(scenario: Scenario) -> None:
     """Raises ``UsageError`` where the target turns further within one exposure than the motion blur follows."""
     instants = (frame / scenario.rate_hz for frame in range(scenario.frame_count))

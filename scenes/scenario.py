@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import AfterValidator, Discriminator, Field, StringConstraints, Tag, model_validator
 from scipy.spatial.transform import RigidTransform
 
+from scenes.arrays import Floats
 from scenes.camera import Camera
 from scenes.config import load
+from scenes.display import Display
 from scenes.errors import unknown
 from scenes.lidar import Lidar
 from scenes.light import Light
@@ -34,6 +36,7 @@ REFERENCES = {
     "rigs.*.camera": "cameras",
     "lidars.*": "lidars",
     "lights.*": "lights",
+    "display": "displays",
 }
 MATERIAL_REFERENCES = {
     "target.parts.*.material": "materials",
@@ -71,6 +74,7 @@ class Scenario(Spec):
     lights: Annotated[dict[Name, Light], Field(max_length=8)] = Field(default_factory=dict)
     key_light: Name | None = None
     motion: Motion
+    display: Display | None = Field(default=None, exclude_if=is_empty)
 
     @model_validator(mode="after")
     def _has_something_to_see_with(self) -> "Scenario":
@@ -101,6 +105,15 @@ class Scenario(Spec):
             raise ValueError("motion: a tumble in orbit needs target.mass (principal_kg_m2, centre_of_mass_m), and there is none")
         return self
 
+    @model_validator(mode="after")
+    def _one_camera_films_a_display(self) -> "Scenario":
+        sensors = [*self.sensors, *self.lidars]
+        if self.display is not None and (self.rigs or len(sensors) > 1 or self.lidars):
+            raise ValueError(f"display: one camera films it, and nothing else, but there are {', '.join(sensors)}")
+        if self.display is not None and len(self.lights) > 1:
+            raise ValueError(f"display: its picture is drawn in one light, but there are {', '.join(self.lights)}")
+        return self
+
     @property
     def sensors(self) -> dict[str, Camera]:
         """Every camera by the name of its pictures: single ones, and those of the rigs as ``<rig>-left``, ``<rig>-right``."""
@@ -121,6 +134,11 @@ class Scenario(Spec):
             return ()
         key = self.key_light or next(iter(self.lights))
         return (key, *sorted(self.lights.keys() - {key}))
+
+    @property
+    def radiance_spectrum(self) -> Floats:
+        """In which spectrum (``BAND_NM``, any scale) the radiance of pictures is counted: the key light's, or a display's white."""
+        return self.lights[self.light_names[0]].spectrum if self.display is None else self.display.spectrum
 
     def partner(self, sensor: str) -> str | None:
         """The other camera of the rig that ``sensor`` belongs to, None for a single camera."""
