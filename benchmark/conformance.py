@@ -23,7 +23,7 @@ RELABELLING = Rotation.from_euler("xyz", [20.0, -35.0, 50.0], degrees=True)
 SHIFT_M = (0.3, -0.2, 0.5)
 _SAME_RAD, _SAME_M = 1e-6, 1e-6
 # Methods thin clouds by cells along the axes of a frame, so that other axes choose other points: a fraction of one scan's noise.
-_SAME_CLOUD_RAD, _SAME_CLOUD_M = float(np.radians(0.5)), 0.05
+_SAME_CLOUD_RAD, _SAME_CLOUD_M = float(np.radians(0.1)), 0.01
 _TIMES = "cpu_"
 
 
