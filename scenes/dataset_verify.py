@@ -130,7 +130,7 @@ def _table_faults(path: Path, manifest: Manifest) -> Iterator[str]:
         return
     for in_table, in_frame in zip(table, frames, strict=True):
         for column in sorted({*in_table, *in_frame}):
-            old, new = in_frame.get(column), in_table.get(column)
+            old, new = in_frame.get(column, math.nan), in_table.get(column)  # NaN: a column of other sensors' rows
             if not _same(old, new):
                 where = f"frame {in_frame['frame']}, {in_frame['sensor']}, {column}"
                 yield f"{file}: {where}: it states {new}, {FRAME_FILE} states {old}: it was edited"
