@@ -18,6 +18,7 @@ from scenes.exr import Window
 from scenes.intrinsics import Intrinsics
 
 _SAMPLES_AT_ONCE = 1 << 17  # what fits a processor's cache
+_NEWTON_STEPS = 2
 _HALF_PX = np.array([[0.5, 0.0], [0.0, 0.5]])
 
 
@@ -67,15 +68,15 @@ def _shares(display: Display, lens: Intrinsics, pixels: Floats, samples: int) ->
 def _ideal(lens: Intrinsics, pixels: Floats, samples: int) -> tuple[Floats, Floats]:
     """Ideal normalised points x and y (n, samples) of the samples of ``pixels`` (n, 2), distortion removed.
 
-    From the pixel's centre along the slope of the lens there: exact for one without distortion. For others that leaves less than
-    1e-4 px, and a step of Newton's method, with the same slope, less than 1e-7.
+    From the pixel's centre along the slope of the lens there: exact for one without distortion. For others steps of Newton's
+    method follow, with the same slope: they leave less than 1e-6 px even where pixels are so large as 0.6°.
     """
     across, down = (place - 0.5 for place in even_place(np.arange(samples), samples))
     centre = lens.normalised_from_pixels(pixels)
     # by how much x and y grow over a pixel to the right, and over one down
     slopes = [lens.normalised_from_pixels(pixels + step) - lens.normalised_from_pixels(pixels - step) for step in _HALF_PX]
     x, y = (centre[:, i, None] + slopes[0][:, i, None] * across + slopes[1][:, i, None] * down for i in (0, 1))
-    if lens.is_distorted:
+    for _ in range(_NEWTON_STEPS if lens.is_distorted else 0):
         reached = lens.pixels_from_normalised(np.stack([x, y], axis=-1))
         miss_u, miss_v = pixels[:, :1] + across - reached[..., 0], pixels[:, 1:] + down - reached[..., 1]
         x, y = (at + slopes[0][:, i, None] * miss_u + slopes[1][:, i, None] * miss_v for i, at in enumerate((x, y)))
