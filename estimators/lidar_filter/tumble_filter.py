@@ -8,6 +8,7 @@ that no such motion explains are refused; after several in a row it is the filte
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.spatial.transform import RigidTransform
 from scipy.special import chdtri
 
@@ -17,7 +18,7 @@ from estimators.lidar_filter.filter_extras import tumble_extras
 from estimators.lidar_filter.measurement import Innovation, PoseMeasurement
 from estimators.lidar_filter.tumble_filter_parameters import TumbleParameters
 from estimators.lidar_filter.tumble_filter_prediction import predicted
-from estimators.lidar_filter.tumble_filter_state import ALL, STATES, TumbleState
+from estimators.lidar_filter.tumble_filter_state import STATES, TumbleState
 from estimators.lidar_filter.tumble_filter_update import View, updated
 from scenes.arrays import Floats
 from scenes.recording import ChaserState
@@ -77,8 +78,9 @@ class TumbleFilter:
     def _take(self, prior: TumbleState, measurement: PoseMeasurement, chaser: ChaserState, gate: float) -> float:
         """Updates at the measurement's instant, predicts to the present, and returns the squared Mahalanobis length."""
         view = self._view(chaser, measurement.time_s)
-        pose, R = measurement.lidar_from_target, stated(measurement.covariance, self._parameters)
-        self._measured, nis = updated(prior, view, pose.rotation, pose.translation, R, gate, self._parameters.least_moment)
+        pose, (R, lasting) = measurement.lidar_from_target, stated(measurement.covariance, self._parameters)
+        after, nis = updated(prior, view, pose.rotation, pose.translation, R, gate, self._parameters.least_moment)
+        self._measured = replace(after, drift_spread=lasting) if nis <= gate else after
         self._now = predicted(self._measured, chaser.time_s, ChaserOrbit.of(chaser), self._parameters)
         return float(nis)
 
@@ -106,12 +108,10 @@ class TumbleFilter:
 
 
 def _ignorance(parameters: TumbleParameters) -> Floats:
-    """Covariance (26, 26) of what is not known before anything is measured."""
-    start, measurement = parameters.start, parameters.measurement
-    sigma = np.zeros(ALL)
+    """Covariance (20, 20) of what is not known before anything is measured."""
+    start, sigma = parameters.start, np.zeros(STATES)
     sigma[at.ATTITUDE], sigma[at.OMEGA], sigma[at.INERTIA] = _BLIND_RAD, start.omega_rad_s, start.inertia
     sigma[at.POSITION], sigma[at.VELOCITY], sigma[at.OFFSET] = start.range_m, start.velocity_m_s, start.offset_m
-    sigma[at.DRIFT_ATTITUDE], sigma[at.DRIFT_POSITION] = measurement.drift_rad, measurement.drift_m
     return np.diag(sigma**2)
 
 
@@ -121,7 +121,9 @@ def begun(measurement: PoseMeasurement, view: View, parameters: TumbleParameters
     position = (pose.translation - view.chaser_lidar_m) @ view.lidar_from_lvlh
     zero, j, drift = (np.zeros((*position.shape[:-1], size)) for size in (3, 5, 6))
     attitude = view.inertial_from_lidar * pose.rotation
-    return TumbleState(measurement.time_s, attitude, zero, j, position, zero, zero, drift, _ignorance(parameters))
+    _, lasting = stated(measurement.covariance, parameters)
+    covariance = block_diag(_ignorance(parameters), lasting)
+    return TumbleState(measurement.time_s, attitude, zero, j, position, zero, zero, drift, lasting, covariance)
 
 
 def doubted(state: TumbleState, parameters: TumbleParameters) -> TumbleState:
@@ -129,14 +131,16 @@ def doubted(state: TumbleState, parameters: TumbleParameters) -> TumbleState:
     ignorance = _ignorance(parameters)
     for kept in (at.INERTIA, at.OFFSET):
         ignorance[kept, kept] = 0.0
-    return replace(state, covariance=4 * state.covariance + ignorance)
+    return replace(state, covariance=4 * state.covariance + block_diag(ignorance, np.zeros((6, 6))))
 
 
-def stated(covariance: Floats, parameters: TumbleParameters) -> Floats:
-    """R (6, 6): the registration's covariance with the factor and the floor that it is given."""
+def stated(covariance: Floats, parameters: TumbleParameters) -> tuple[Floats, Floats]:
+    """Covariances (6, 6) of a registration's fresh error and of its lasting one, from what the registration states."""
     measurement = parameters.measurement
-    floor = np.repeat([measurement.floor_rad**2, measurement.floor_m**2], 3)
-    return np.asarray(covariance * measurement.scale + np.diag(floor))
+    floor = np.diag(np.repeat([measurement.floor_rad**2, measurement.floor_m**2], 3))
+    drift = np.diag(np.repeat([measurement.drift_rad**2, measurement.drift_m**2], 3))
+    scaled = covariance * measurement.scale
+    return (1 - measurement.lasting) * scaled + floor, measurement.lasting * scaled + drift
 
 
 def fault(state: TumbleState) -> str:

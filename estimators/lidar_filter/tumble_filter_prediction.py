@@ -39,7 +39,7 @@ def predicted(
         after = _moved(state, h, J, inverse, motion, kept)
         if not mean_only:
             F = error_matrix((state.omega_rad_s + after.omega_rad_s) / 2, J, inverse, motion)
-            after = replace(after, covariance=_spread(state.covariance, F, h, kept, parameters))
+            after = replace(after, covariance=_spread(state, F, h, kept, parameters))
         state = after
     return replace(state, time_s=time_s)
 
@@ -64,6 +64,7 @@ def _moved(state: TumbleState, h: float, J: Floats, inverse: Floats, motion: Flo
         velocity_m_s=path[..., 3:],
         offset_m=state.offset_m,
         drift=state.drift * kept,
+        drift_spread=state.drift_spread,
         covariance=state.covariance,
     )
 
@@ -88,16 +89,15 @@ def _series(step: Floats, eye: Floats) -> Floats:
     return value
 
 
-def _spread(P: Floats, F: Floats, h: float, kept: float, parameters: TumbleParameters) -> Floats:
+def _spread(state: TumbleState, F: Floats, h: float, kept: float, parameters: TumbleParameters) -> Floats:
     """Covariance (..., 26, 26) after one step: Φ P Φᵀ + Q, and a drift that forgets all but the share ``kept``."""
     half = _series(F * (h / 2), _EYE)
     whole = half @ half
-    after, measurement = np.empty((*F.shape[:-2], at.ALL, at.ALL)), parameters.measurement
+    P, after = state.covariance, np.empty((*F.shape[:-2], at.ALL, at.ALL))
     after[..., :STATES, :STATES] = whole @ P[..., :STATES, :STATES] @ whole.swapaxes(-1, -2) + _noise(whole, half, h, parameters)
     after[..., :STATES, at.DRIFT] = across = kept * (whole @ P[..., :STATES, at.DRIFT])
     after[..., at.DRIFT, :STATES] = across.swapaxes(-1, -2)
-    fresh = np.repeat([measurement.drift_rad**2, measurement.drift_m**2], 3)
-    after[..., at.DRIFT, at.DRIFT] = kept**2 * P[..., at.DRIFT, at.DRIFT] + (1 - kept**2) * np.diag(fresh)
+    after[..., at.DRIFT, at.DRIFT] = kept**2 * P[..., at.DRIFT, at.DRIFT] + (1 - kept**2) * state.drift_spread
     return after
 
 

@@ -27,7 +27,8 @@ class TumbleState:
     ``omega_rad_s`` (..., 3): inertial angular velocity, target axes. ``inertia`` (..., 5): j of J = 1 + Σ j_i E_i.
     ``position_m``, ``velocity_m_s`` (..., 3): centre of mass relative to the chaser's, in its orbital frame. ``offset_m``
     (..., 3): ρ, from the centre of mass to the target frame's origin, target axes. ``drift`` (..., 6): the lasting error of
-    measurements, rotation vector in target axes and position in LIDAR axes. ``covariance`` (..., 26, 26) of the errors.
+    measurements, rotation vector in target axes and position in LIDAR axes; ``drift_spread`` (..., 6, 6): its covariance over
+    a long time. ``covariance`` (..., 26, 26) of the errors.
     """
 
     time_s: float
@@ -38,6 +39,7 @@ class TumbleState:
     velocity_m_s: Floats
     offset_m: Floats
     drift: Floats
+    drift_spread: Floats
     covariance: Floats
 
     @property
@@ -56,6 +58,7 @@ class TumbleState:
             self.velocity_m_s + error[..., VELOCITY],
             self.offset_m + error[..., OFFSET],
             self.drift + error[..., DRIFT],
+            self.drift_spread,
             covariance,
         )
 

@@ -32,8 +32,12 @@ LOW, HIGH = chi2.ppf([0.025, 0.975], 20 * SEEDS) / SEEDS
 SMALL = np.repeat([0.02, 5e-4, 3e-3, 0.5, 5e-3, 0.05], [3, 3, 5, 3, 3, 3])  # 1σ of first errors that are nearly linear
 
 
-def parameters(rotation=1e-9, translation=1e-7, **more):
-    return TumbleParameters(noise=NoiseParameters(rotation_rad2_s3=rotation, translation_m2_s3=translation), **more)
+WHITE = MeasurementParameters(lasting=0.0)
+
+
+def parameters(rotation=1e-9, translation=1e-7, measurement=WHITE, **more):
+    noise = NoiseParameters(rotation_rad2_s3=rotation, translation_m2_s3=translation)
+    return TumbleParameters(noise=noise, measurement=measurement, **more)
 
 
 @pytest.fixture(scope="module")
@@ -125,11 +129,11 @@ def test_errors_that_last_need_states_of_their_own():
     """A Gauss-Markov error of 0.4° and 2 cm over 15 s: white noise of the same size is overconfident, drift states are not."""
     truth = tumbling.disturbed(SEEDS, rotation_rad2_s3=1e-9, translation_m2_s3=1e-7)
     white, drift = (0.003, 0.01), (0.007, 0.02, 15.0)
-    model = MeasurementParameters(drift_rad=drift[0], drift_m=drift[1], drift_time_s=drift[2])
+    model = MeasurementParameters(lasting=0, drift_rad=drift[0], drift_m=drift[1], drift_time_s=drift[2])
     told = run(truth, SEEDS, parameters(measurement=model), sigma=white, start=SMALL, drift=drift)
     assert LOW < told.nees[100:].mean() < HIGH
     assert 5.8 < told.nis[1:].mean() < 6.2
-    floor = MeasurementParameters(floor_rad=drift[0], floor_m=drift[1])
+    floor = MeasurementParameters(lasting=0, floor_rad=drift[0], floor_m=drift[1])
     untold = run(truth, SEEDS, parameters(measurement=floor), sigma=white, start=SMALL, drift=drift)
     assert untold.nees[100:].mean() > 3 * HIGH
     assert untold.nis[1:].mean() < 5  # and it looks fine to itself

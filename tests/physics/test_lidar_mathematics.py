@@ -324,9 +324,9 @@ def test_the_filters_top_is_of_fourth_order():
 
 
 def state_of(case, P):
-    zero = np.zeros(6)
+    zero, none = np.zeros(6), np.zeros((6, 6))
     j = components_of(case["J"])
-    return TumbleState(0.0, Rotation.identity(), case["omega"], j, case["r"], case["v"], case["rho"], zero, P)
+    return TumbleState(0.0, Rotation.identity(), case["omega"], j, case["r"], case["v"], case["rho"], zero, none, P)
 
 
 def test_the_predicted_covariance_is_van_loans(case):
@@ -357,9 +357,10 @@ def transition_error(longest_step_s):
         noise=NoiseParameters(rotation_rad2_s3=0, translation_m2_s3=0), longest_step_s=longest_step_s, longest_turn_rad=10
     )
     orbit = ChaserOrbit.of(truth.chasers[0])
-    j, zero = components_of(tumbling.J_TARGET), np.zeros(6)
+    j, zero = components_of(tumbling.J_TARGET), np.zeros((6, 6))
     attitude = Rotation.from_matrix(truth.inertial_from_target[0])
-    state = TumbleState(0.0, attitude, truth.omega[0], j, truth.r[0], truth.v[0], tumbling.OFFSET, zero, np.zeros((26, 26)))
+    motion = truth.omega[0], j, truth.r[0], truth.v[0], tumbling.OFFSET
+    state = TumbleState(0.0, attitude, *motion, zero[0], zero, np.zeros((26, 26)))
     mean, worst = predicted(state, 1.0, orbit, parameters), 0.0
     for index, size in zip(range(20), [1e-5] * 3 + [1e-6] * 3 + [1e-5] * 5 + [1.0] * 9, strict=True):
         error = np.zeros(26)

@@ -84,14 +84,15 @@ def errors(truth, k, state):
 def run(truth, seeds, parameters=None, sigma=PAPER, start=None, gate=np.inf, **more):
     """Filters all seeds; ``start``: 1σ (20,) of errors that a first state is drawn with (None: begun from a measurement)."""
     parameters = parameters or TumbleParameters()
-    R = stated(np.diag(np.repeat(sigma, 3)) ** 2, parameters)
+    stating = np.diag(np.repeat(sigma, 3)) ** 2
+    R, _ = stated(stating, parameters)
     log, state = {"error": [], "sigma": [], "nees": [], "nis": [], "J": []}, None
     for k, (rotation, origin) in enumerate(measured(truth, seeds, sigma, **more)):
         chaser = truth.chasers[k]
         view = View.of(chaser, Rotation.identity(), -tumbling.MOUNT.translation)
         if state is None:
             pose = RigidTransform.from_components(origin, rotation)
-            state = begun(PoseMeasurement(chaser.time_s, pose, R), view, parameters)
+            state = begun(PoseMeasurement(chaser.time_s, pose, stating), view, parameters)
             state = state if start is None else drawn(truth, state, start, parameters)
         else:
             state = predicted(state, chaser.time_s, ChaserOrbit.of(chaser), parameters)

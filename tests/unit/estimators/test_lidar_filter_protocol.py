@@ -11,7 +11,7 @@ from estimators.lidar_filter.chaser import at_rest, chaser_at
 from estimators.lidar_filter.measurement import Innovation, PoseFilter, PoseMeasurement
 from estimators.lidar_filter.paper_filter import PaperFilter
 from estimators.lidar_filter.paper_filter_parameters import GuessParameters, PaperFilterParameters, Repairs
-from estimators.lidar_filter.tumble_filter import TumbleFilter, fault
+from estimators.lidar_filter.tumble_filter import TumbleFilter, fault, stated
 from estimators.lidar_filter.tumble_filter_parameters import MeasurementParameters, StartParameters, TumbleParameters
 from estimators.lidar_filter.tumble_filter_state import bounded
 from scenes.inertia import components_of, inertia_of
@@ -307,3 +307,24 @@ def test_the_start_knows_the_distance_and_nothing_else():
     assert extras["sigma_attitude_x_rad"] == pytest.approx(0.005, rel=1e-3)
     assert extras["sigma_rel_x_m"] == pytest.approx(np.hypot(1.5, 0.05), rel=1e-2)  # as far as the centre of mass may be off
     assert [extras[f"rel_{axis}_m"] for axis in "xyz"] == pytest.approx([1, 2, 40], abs=np.linalg.norm(OFFSET))
+
+
+def test_a_share_of_the_stated_covariance_lasts():
+    stating = np.diag(np.arange(1.0, 7.0))
+    measurement = MeasurementParameters(scale=2.0, lasting=0.25, floor_rad=0.1, floor_m=0.2, drift_rad=0.3, drift_m=0.4)
+    fresh, lasting = stated(stating, TumbleParameters(measurement=measurement))
+    assert fresh == pytest.approx(1.5 * stating + np.diag([0.01] * 3 + [0.04] * 3))
+    assert lasting == pytest.approx(0.5 * stating + np.diag([0.09] * 3 + [0.16] * 3))
+
+
+def test_what_lasts_does_not_average_out():
+    """A hundred measurements whose errors last say less than as many whose errors do not."""
+    sigmas = [
+        followed(TumbleFilter, 100, measurement=MeasurementParameters(lasting=lasting, drift_time_s=30.0)).extras()
+        for lasting in (0.9, 0.0)
+    ]
+    for name in ("sigma_attitude_x_rad", "sigma_attitude_y_rad"):
+        assert sigmas[0][name] > 1.3 * sigmas[1][name]
+    found = made(TumbleFilter, measurement=MeasurementParameters(lasting=0.9))
+    found.start(measurement(0.0, at_rest(0.0)), at_rest(0.0))
+    assert found.state.drift_spread == pytest.approx(0.9 * COVARIANCE)
