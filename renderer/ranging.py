@@ -74,7 +74,7 @@ class Scanner:
     def _reports(self, echoes: Echoes, frame: int, sun: SceneLight | None) -> Reports:
         model = self.lidar.ranging
         if isinstance(model, PaperRanging):
-            return paper_reports(model, echoes, self.lidar.gate_m, self._seed, frame, self._name)
+            return paper_reports(self.lidar, model, echoes, self._seed, frame, self._name)
         assert self._receiver is not None
         sunlight = 0.0 if sun is None else sunlight_w_m2_nm(sun.irradiance_w_m2_nm, self.lidar.beam.wavelength_nm)
         return physical_reports(self._receiver, echoes, sunlight, self._seed, frame, self._name)

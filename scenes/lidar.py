@@ -11,7 +11,7 @@ from scenes.recording import LidarModel
 from scenes.scan_pattern import MOST_BEAMS, ScanPattern
 from scenes.spec import NonNegative, Spec
 
-_MOST_RAYS = 2**25
+_MOST_RAYS = 2**24
 
 
 class Lidar(Spec):
