@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 from benchmark.filter_states import STATES, State
 from benchmark.filter_summary import Consistency, FilterSummary, StateFigure
 
+_LONG = 1e4
+
 if TYPE_CHECKING:
     from benchmark.filter_seeds import Pooled, SeedsLine
     from benchmark.summary import Summary
@@ -44,5 +46,10 @@ def _costs(nees: Consistency | None, icp_deg: float | None, cpu_s: float | None)
     }
 
 
+def fitting(value: float, form: str) -> str:
+    """``value`` in ``form``; in two digits where that would be too long for a table."""
+    return form % value if abs(value) < _LONG else f"{value:.1e}"
+
+
 def _number(value: float | None, form: str, scale: float = 1.0) -> str:
-    return "—" if value is None else form % (scale * value)
+    return "—" if value is None else fitting(scale * value, form)

@@ -1,5 +1,6 @@
 """One LIDAR's answers, scored: the poses in the target's frame, the states of the filter in the method's own."""
 
+import numpy as np
 import pandas as pd
 
 from benchmark import filter_scores, symmetry
@@ -7,9 +8,12 @@ from benchmark.filter_gauge import gauge_of, in_target_frame
 from benchmark.filter_summary import FilterSummary, filter_summary
 from benchmark.filter_truth import true_states
 from benchmark.pose_errors import attitude_errors, position_errors
-from benchmark.predictions import Predictions, positions
+from benchmark.predictions import TRANSLATION, Predictions, positions
 from benchmark.score_table import extras_of, opened
 from scenes.dataset import Dataset
+
+# A filter that runs off may state any number just before it gives up. Squares of larger ones than this would be no numbers.
+_MOST = 1e12
 
 
 def filter_track(predictions: Predictions, dataset: Dataset, sensor: str, group: str) -> tuple[pd.DataFrame, int, FilterSummary]:
@@ -18,7 +22,8 @@ def filter_track(predictions: Predictions, dataset: Dataset, sensor: str, group:
     ``group``: the target's symmetry. A method that declares no knowledge counts as one that was told no model.
     """
     truth, table, scores = opened(predictions, dataset, sensor)
-    knowledge, extras = predictions.record.knowledge, extras_of(predictions, sensor, truth.index)
+    knowledge, extras = predictions.record.knowledge, _bounded(extras_of(predictions, sensor, truth.index))
+    table[list(TRANSLATION)] = table[list(TRANSLATION)].clip(-_MOST, _MOST)
     gauge = gauge_of(truth, table, told_model=knowledge is not None and knowledge.model is not None, group=group)
     true = true_states(truth, dataset.manifest.scenario, gauge)
     posed, answered = in_target_frame(table, gauge), (table["outcome"] == "ok").to_numpy()
@@ -26,3 +31,8 @@ def filter_track(predictions: Predictions, dataset: Dataset, sensor: str, group:
     scores = scores.assign(**errors, **position_errors(positions(truth), positions(posed), errors["speed_rotation"]))
     scores = scores.assign(**filter_scores.columns(truth, table, extras, true, gauge))
     return scores, switches, filter_summary(scores, gauge)
+
+
+def _bounded(extras: pd.DataFrame) -> pd.DataFrame:
+    """The named numbers, none beyond ``_MOST``; texts are left out."""
+    return extras.select_dtypes(np.number).clip(-_MOST, _MOST)

@@ -7,6 +7,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from benchmark import report_views as views
 from benchmark.figure import Figure
 from benchmark.files import publish
+from benchmark.filter_cells import fitting
 from benchmark.filter_states import STATES
 from benchmark.filter_summary import CONVERGED_INERTIA, STEADY
 from benchmark.leaderboard import minus, overall, rows
@@ -52,6 +53,7 @@ def _environment() -> Environment:
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["interval"] = _interval
     environment.filters["minus"] = minus
+    environment.filters["fitting"] = fitting
     return environment
 
 
