@@ -90,8 +90,8 @@ class PaperRanging(Spec):
     """The model of Song et al. 2017, section 4: noise on the range, more of it at edges, and a dead zone at large angles.
 
     ``sigma_m``: of every range. ``edge_sigma_m``: further noise on beams whose spot lies across an edge: part of it passes the
-    surface by that the beam's axis meets, or meets another more than ``edge_step_m`` deeper. A beam at incidence θ is kept with probability
-    1 / (1 + exp((θ − cutoff) / width)): ``cutoff_deg``, ``cutoff_width_deg``.
+    surface by that the beam's axis meets, or meets another more than ``edge_step_m`` deeper. A beam at incidence θ is kept with
+    probability 1 / (1 + exp((θ − cutoff) / width)): ``cutoff_deg``, ``cutoff_width_deg``.
     """
 
     type: Literal["paper"]
