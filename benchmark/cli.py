@@ -64,7 +64,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 @app.command(short_help="the whole story in about two minutes", epilog=example("hardlight demo --out out/demo"))
 def demo(out: Out = Path("out/demo"), workers: Workers = 1, quiet: Quiet = False, debug: Debug = False) -> None:
-    """The whole story in about two minutes: render two short fly-arounds, estimate, judge, write a page."""
+    """The whole story in about two minutes: render short sequences of cameras and a LIDAR, estimate, judge, write a page."""
     from benchmark import verbs
 
     verbs.demo(out, workers, Console(quiet))
