@@ -90,7 +90,7 @@ class Isolated:
     def _started_anew(self) -> Answer | None:
         """What every further frame meets, where it cannot be."""
         if self._restarts == self._limits.restarts:
-            return crashed(self._sensor, f"not asked: started anew {self._restarts} times already; at last {self._reason}")
+            return crashed(self._sensor, f"not asked, since its {self._restarts} restarts are used up; at last {self._reason}")
         self._restarts += 1
         self._process = self._launched()
         try:

@@ -20,7 +20,7 @@ def environment(hidden: Sequence[Path], *, with_working_directory: bool) -> dict
     Hashing is the same in every run, so that a method which walks through a set of texts gives the same answers. Modules are
     found where they are found here, and last ``with_working_directory``.
     """
-    own = [str(Path.cwd()) if entry == "" else entry for entry in sys.path]
+    own = [str(Path(entry).absolute()) for entry in sys.path]  # an empty one is the working directory
     own += [str(Path.cwd())] if with_working_directory and str(Path.cwd()) not in own else []
     searched = [entry for entry in own if not _leads_to(entry, hidden)]
     return clean(os.environ, hidden) | {"PYTHONHASHSEED": "0", SEARCH_PATH: json.dumps(searched)}

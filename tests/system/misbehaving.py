@@ -1,5 +1,6 @@
 """Outside methods that do in frame 1 what no method should, and answer a constant attitude otherwise."""
 
+import contextlib
 import ctypes
 import os
 import sys
@@ -136,9 +137,7 @@ class Meddles(Constant):
     """Writes into every file that is open."""
 
     def misbehave(self, observation: Observation) -> Estimate:
-        for name in os.listdir("/proc/self/fd"):
-            try:
-                os.write(int(name), b"nonsense, and more of it")
-            except OSError:
-                continue
+        for descriptor in range(3, 64):
+            with contextlib.suppress(OSError):
+                os.write(descriptor, b"nonsense, and more of it")
         return self.answer()
