@@ -11,6 +11,24 @@ from typing import Annotated
 
 import typer
 
+from benchmark.cli_options import (
+    Answerers,
+    Answers,
+    Data,
+    Debug,
+    Feature,
+    InProcess,
+    Lidar,
+    Method,
+    Model,
+    Out,
+    Overrides,
+    PriorSigma,
+    Quality,
+    Quiet,
+    Rig,
+    Workers,
+)
 from benchmark.console import Console, complain
 
 
@@ -44,22 +62,6 @@ def _options(
     version: Annotated[bool, typer.Option("--version", help="Show the version.", callback=_show_version, is_eager=True)] = False,
 ) -> None:
     """Options that stand before the verb."""
-
-
-Out = Annotated[Path, typer.Option("--out", help="Folder for the result; made if it is not there.")]
-Data = Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of a data set.")]
-Workers = Annotated[int, typer.Option(min=1, max=256, help="Processes that render; the bytes do not depend on it.")]
-Answerers = Annotated[int, typer.Option(min=1, max=256, help="Processes that render, and that answer, an entry each.")]
-Quality = Annotated[
-    str | None,
-    typer.Option(metavar="PRESET", help="reference, standard, fast or draft instead of the scenario's own quality."),
-]
-Overrides = Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Replace a value; repeatable.")]
-InProcess = Annotated[
-    bool, typer.Option("--in-process", help="Run methods in this process, to debug one: a crash or a hang is then everybody's.")
-]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, only results and errors.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 @app.command(short_help="the whole story in about two minutes", epilog=example("hardlight demo --out out/demo"))
@@ -135,14 +137,14 @@ def verify(
     epilog=example("hardlight estimate mono-rectangle data/in-plane --feature wing --out answers/wing"),
 )
 def estimate(
-    method: Annotated[str, typer.Argument(metavar="METHOD", help="A registered estimator or package.module:Class.")],
+    method: Method,
     dataset: Data,
     out: Out,
-    feature: Annotated[str | None, typer.Option(help="Which feature of the target the method is told of.")] = None,
-    prior_sigma_px: Annotated[float, typer.Option(min=0, help="Noise of the corner pixels it is given, sd in px.")] = 3.0,
-    rig: Annotated[str | None, typer.Option(help="Which stereo rig measures a ring, where there are several.")] = None,
-    lidar: Annotated[str | None, typer.Option(help="Which LIDAR it answers for, where there are other sensors.")] = None,
-    model: Annotated[bool, typer.Option("--model", help="Tell it the target's surface, for a LIDAR.")] = False,
+    feature: Feature = None,
+    prior_sigma_px: PriorSigma = 3.0,
+    rig: Rig = None,
+    lidar: Lidar = None,
+    model: Model = False,
     overrides: Overrides = None,
     step_timeout_s: Annotated[float, typer.Option(min=0.001, help="Wall seconds that one frame may take.")] = 30.0,
     start_timeout_s: Annotated[float, typer.Option(min=0.001, help="Wall seconds that its imports and start may take.")] = 120.0,
@@ -160,9 +162,40 @@ def estimate(
     raise typer.Exit(verbs.estimate(method, dataset, out, told, overrides or [], bounds, Console(quiet)))
 
 
+@app.command(short_help="every fault of a folder of answers", epilog=example("hardlight check answers/wing data/in-plane"))
+def check(predictions: Answers, dataset: Data, debug: Debug = False) -> None:
+    """Say everything that is wrong with a folder of answers at once: file, line, field and value."""
+    from benchmark import verbs_entering
+
+    raise typer.Exit(verbs_entering.check(predictions, dataset, Console()))
+
+
+@app.command(
+    short_help="which promises a method keeps",
+    epilog=example("hardlight conform mypackage.mine:Mine data/in-plane --feature wing"),
+)
+def conform(
+    method: Method,
+    dataset: Data,
+    feature: Feature = None,
+    prior_sigma_px: PriorSigma = 3.0,
+    rig: Rig = None,
+    lidar: Lidar = None,
+    model: Model = False,
+    frames: Annotated[int, typer.Option(min=1, max=1000, help="How many of the first frames it is tried on.")] = 8,
+    overrides: Overrides = None,
+    debug: Debug = False,
+) -> None:
+    """Try a method on what every method must do: say which promises it keeps and how it breaks the others."""
+    from benchmark import verbs_entering
+
+    told = {"feature_name": feature, "sigma_px": prior_sigma_px, "rig": rig, "lidar": lidar, "grant_model": model}
+    raise typer.Exit(verbs_entering.conform(method, dataset, told, overrides or [], frames, Console()))
+
+
 @app.command(short_help="answers against the truth", epilog=example("hardlight judge answers/wing data/in-plane --out scores/wing"))
 def judge(
-    predictions: Annotated[Path, typer.Argument(metavar="PREDICTIONS", help="Folder with predictions.csv and run.json.")],
+    predictions: Answers,
     dataset: Data,
     out: Out,
     settle_s: Annotated[float, typer.Option(min=0, help="Seconds at the start that are answered but not judged.")] = 0.0,

@@ -9,7 +9,7 @@ same again.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform, Rotation
@@ -27,19 +27,37 @@ _SAME_CLOUD_RAD, _SAME_CLOUD_M = float(np.radians(0.1)), 0.01
 _TIMES = "cpu_"
 
 
+@dataclass(frozen=True, slots=True)
+class Promise:
+    """One thing that every method must do, and how this one breaks it; without faults it is kept."""
+
+    text: str
+    faults: tuple[str, ...] = ()
+
+
 def faults(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> list[str]:
     """One sentence for each promise that the method breaks on this recording; empty for a conforming method."""
+    return [fault for promise in examine(make, knowledge, observations) for fault in promise.faults]
+
+
+def examine(make: Factory, knowledge: Knowledge, observations: Sequence[Observation]) -> list[Promise]:
+    """Every promise that could be tried on this recording; those that hang on one that is broken are left out."""
     first, complaint = _answers(make, knowledge, observations)
+    runs = Promise("it answers a recording without raising", (f"the recording: {complaint}",) if complaint else ())
     if complaint:
-        return [f"the recording: {complaint}"]
+        return [runs]
+    contract = Promise("every step gives an estimate that keeps its contract", tuple(_contract(first, knowledge)))
     if not any(isinstance(one, Estimate) and one.outcome is Outcome.OK for one in first):
-        return [*_contract(first, knowledge), f"it answers none of the {len(first)} frames, so the rest cannot be checked"]
+        mute = f"it answers none of the {len(first)} frames, so the rest cannot be checked"
+        return [runs, contract, Promise("it answers some frame", (mute,))]
+    given = (make, knowledge, observations)
     return [
-        *_contract(first, knowledge),
-        *_same_again(first, make, knowledge, observations),
-        *_inputs_untouched(make, knowledge, observations),
-        *_black(make, knowledge, observations),
-        *_relabelled(first, make, knowledge, observations),
+        runs,
+        contract,
+        Promise("the same input gives the same output", tuple(_same_again(first, *given))),
+        Promise("it leaves its inputs as they were", tuple(_inputs_untouched(*given))),
+        Promise("it answers no black picture and no empty scan, and says why", tuple(_black(*given))),
+        Promise("a re-labelled target frame turns and moves the answer with it", tuple(_relabelled(first, *given))),
     ]
 
 

@@ -1,11 +1,13 @@
-"""What is known of a registered method without importing it: one line of description and the version of its distribution."""
+"""What is known of a method without importing it: one line of description, its distribution's version, typed parameters."""
 
 import ast
+from collections.abc import Sequence
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
 from estimators.registry import GROUP
+from scenes.errors import UsageError
 
 
 def description(name: str) -> str:
@@ -26,6 +28,19 @@ def version(name: str) -> str:
     """The version of the distribution that brought the method, empty for one named by ``package.module:Class``."""
     entry = _entry(name)
     return entry.dist.version if entry is not None and entry.dist is not None else ""
+
+
+def parameters_of(overrides: Sequence[str]) -> dict[str, object]:
+    """A method's parameters as they were typed, ``name=value`` each. Raises ``UsageError`` for what is not of that form."""
+    from scenes.config import parse_override
+
+    parameters: dict[str, object] = {}
+    for text in overrides:
+        keys, value = parse_override(text)
+        if len(keys) != 1:
+            raise UsageError(f"--set {text!r}: a method's parameter has one name without dots")
+        parameters[keys[0]] = value
+    return parameters
 
 
 def _entry(name: str) -> EntryPoint | None:

@@ -4,12 +4,9 @@ Reading is strict, because any program in any language may have written the file
 file, the line and the value. The table that comes out has one row per (frame, sensor) with unit quaternions, or none.
 """
 
-import csv
-import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,15 +16,12 @@ from scipy.spatial.transform import Rotation
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
 from benchmark.records import RunRecord
-from estimators.api import Outcome
+from benchmark.table_faults import COLUMNS, QUATERNION, TRANSLATION, header_faults, lines, rows_of
 from scenes.arrays import Floats
-from scenes.errors import unknown
 
-COLUMNS = ("frame", "sensor", "outcome", "qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m", "cpu_s", "wall_s")
-QUATERNION, TRANSLATION, TIMES = COLUMNS[3:7], COLUMNS[7:10], COLUMNS[10:]
+__all__ = ["COLUMNS", "QUATERNION", "TRANSLATION", "Predictions", "parse", "positions", "read", "read_record", "rotations", "write"]
+
 TABLE, RECORD, EXTRAS = "predictions.csv", "run.json", "extras.parquet"
-_UNIT_TOLERANCE = 1e-4  # six printed decimals are within it; a quaternion in another order of units is not
-_OUTCOMES = tuple(outcome.value for outcome in Outcome)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,48 +44,66 @@ def write(folder: Path, predictions: Predictions) -> None:
 def read(folder: Path) -> Predictions:
     """The answers in ``folder``. Raises ``PredictionsError`` with one sentence for the first thing that is wrong."""
     record = read_record(folder)
-    path = folder / TABLE
-    table = parse(_text(path), str(path))
-    extras = folder / EXTRAS
-    try:
-        return Predictions(record, table, pd.read_parquet(extras) if extras.exists() else None)
-    except (OSError, ValueError) as error:
-        raise PredictionsError(f"{extras} cannot be read: {error}") from error
+    table = parse(text_of(folder / TABLE), str(folder / TABLE))
+    extras = read_extras(folder)
+    for fault in extras_faults(extras, folder / EXTRAS):
+        raise PredictionsError(fault)
+    return Predictions(record, table, extras)
 
 
 def read_record(folder: Path) -> RunRecord:
     """run.json of ``folder``, validated."""
+    record, faults = record_and_faults(folder)
+    if record is None:
+        raise PredictionsError(faults[0])
+    return record
+
+
+def record_and_faults(folder: Path) -> tuple[RunRecord | None, list[str]]:
+    """run.json of ``folder`` if nothing is wrong with it, else every fault. Raises ``PredictionsError`` where it is no JSON."""
     path = folder / RECORD
     try:
-        return RunRecord.model_validate(json.loads(_text(path)))
+        return RunRecord.model_validate(json.loads(text_of(path))), []
     except json.JSONDecodeError as error:
         raise PredictionsError(f"{path} is not JSON: {error}") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "the file"
-        raise PredictionsError(f"{path}: {where}: {first['msg']} (found {first['input']!r})") from error
+        where = [(".".join(str(part) for part in one["loc"]) or "the file", one) for one in error.errors()]
+        return None, [f"{path}: {place}: {one['msg']} (found {one['input']!r})" for place, one in where]
+
+
+def read_extras(folder: Path) -> pd.DataFrame | None:
+    """extras.parquet of ``folder``, None where there is none. Raises ``PredictionsError`` where it is no Parquet file."""
+    path = folder / EXTRAS
+    try:
+        return pd.read_parquet(path) if path.exists() else None
+    except (OSError, ValueError) as error:
+        raise PredictionsError(f"{path} cannot be read: {error}") from error
+
+
+def extras_faults(extras: pd.DataFrame | None, path: Path) -> list[str]:
+    """What is wrong with the named numbers: a column that must be there and is not, one that is no number, a frame given twice."""
+    if extras is None:
+        return []
+    missing = [f"{path} lacks the column {name!r}" for name in ("frame", "sensor") if name not in extras]
+    if missing or extras.empty:
+        return missing
+    numbers = [name for name in extras if name not in ("sensor", "reason")]
+    faults = [
+        f"{path}: column {str(name)!r} holds {extras[name].dtype} values, not numbers"
+        for name in numbers
+        if not pd.api.types.is_numeric_dtype(extras[name])
+    ]
+    twice = extras[extras.duplicated(["frame", "sensor"])]
+    return faults + [f"{path}: frame {row.frame} of {row.sensor!r} is there twice" for row in twice.itertuples()]
 
 
 def parse(text: str, name: str) -> pd.DataFrame:
     """The table in the CSV ``text``; ``name`` stands in the sentences. Quaternions come out normalised."""
-    rows = list(csv.reader(io.StringIO(text)))
-    while rows and not "".join(rows[-1]).strip() and len(rows[-1]) <= 1:  # blank lines at the end
-        rows.pop()
-    _check_header(rows[0] if rows else [], name)
-    seen: dict[tuple[int, str], int] = {}
-    records: list[dict[str, Any]] = []
-    for line, row in enumerate(rows[1:], start=2):
-        if len(row) != len(COLUMNS):
-            raise PredictionsError(f"{name}, line {line}: {len(row)} fields where the header has {len(COLUMNS)}")
-        record = _parse_row(dict(zip(COLUMNS, row, strict=True)), f"{name}, line {line}")
-        key = (record["frame"], record["sensor"])
-        if key in seen:
-            raise PredictionsError(
-                f"{name}, line {line}: frame {key[0]} of {key[1]!r} is answered twice (first on line {seen[key]})"
-            )
-        seen[key] = line
-        records.append(record)
-    return _normalised(pd.DataFrame(records, columns=list(COLUMNS)))
+    rows = rows_of(text, name)
+    read = [] if header_faults(rows, name) else list(lines(rows, name))
+    for fault in (*header_faults(rows, name), *(fault for line in read for fault in line.faults)):
+        raise PredictionsError(fault)
+    return _normalised(pd.DataFrame([line.values for line in read], columns=list(COLUMNS)))
 
 
 def rotations(table: pd.DataFrame) -> Rotation:
@@ -104,58 +116,6 @@ def positions(table: pd.DataFrame) -> Floats:
     return table[list(TRANSLATION)].to_numpy(dtype=np.float64)
 
 
-def _check_header(header: list[str], name: str) -> None:
-    missing = [column for column in COLUMNS if column not in header]
-    unexpected = [column for column in header if column not in COLUMNS]
-    if missing or unexpected:
-        told = [f"lacks the column {missing[0]!r}"] if missing else []
-        told += [f"has the unknown column {unexpected[0]!r}"] if unexpected else []
-        raise PredictionsError(f"{name} {' and '.join(told)}; the columns are {','.join(COLUMNS)}")
-    if tuple(header) != COLUMNS:
-        raise PredictionsError(f"{name} has its columns in the order {','.join(header)}; the order is {','.join(COLUMNS)}")
-
-
-def _parse_row(row: dict[str, str], where: str) -> dict[str, Any]:
-    outcome = row["outcome"]
-    if outcome not in _OUTCOMES:
-        raise PredictionsError(f"{where}: {unknown('outcome', outcome, _OUTCOMES)}")
-    if not row["frame"].isdecimal():
-        raise PredictionsError(f"{where}: frame is {row['frame']!r}, not a whole number from 0")
-    numbers = {column: _number(row[column], column, where) for column in COLUMNS[3:]}
-    _check_pose(numbers, outcome, where)
-    for column in TIMES:
-        if numbers[column] < 0:
-            raise PredictionsError(f"{where}: {column} is {row[column]}, a negative time")
-    return {"frame": int(row["frame"]), "sensor": row["sensor"], "outcome": outcome, **numbers}
-
-
-def _number(text: str, column: str, where: str) -> float:
-    if not text:
-        return float("nan")
-    try:
-        value = float(text)
-    except ValueError:
-        raise PredictionsError(f"{where}: {column} is {text!r}, not a number") from None
-    if not np.isfinite(value):
-        raise PredictionsError(f"{where}: {column} is {text}; leave the field empty where a method gives no value")
-    return value
-
-
-def _check_pose(numbers: dict[str, float], outcome: str, where: str) -> None:
-    quaternion = np.array([numbers[column] for column in QUATERNION])
-    translation = np.array([numbers[column] for column in TRANSLATION])
-    given = ~np.isnan(quaternion)
-    if outcome == Outcome.OK.value and not given.all():
-        raise PredictionsError(f"{where}: outcome is ok but {QUATERNION[int(np.argmin(given))]} is empty")
-    if outcome != Outcome.OK.value and (given.any() or not np.isnan(translation).all()):
-        raise PredictionsError(f"{where}: outcome is {outcome} but the line gives a pose; only ok has one")
-    if np.isnan(translation).any() and not np.isnan(translation).all():
-        raise PredictionsError(f"{where}: tx_m, ty_m, tz_m are given in part; give all three or none")
-    norm = float(np.linalg.norm(quaternion))
-    if given.all() and abs(norm - 1) > _UNIT_TOLERANCE:
-        raise PredictionsError(f"{where}: the quaternion has length {norm:.6g}, not 1")
-
-
 def _normalised(table: pd.DataFrame) -> pd.DataFrame:
     quaternions = table[list(QUATERNION)].to_numpy(dtype=np.float64)
     length = np.linalg.norm(quaternions, axis=1, keepdims=True)
@@ -164,7 +124,8 @@ def _normalised(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-def _text(path: Path) -> str:
+def text_of(path: Path) -> str:
+    """The text of a file. Raises ``PredictionsError`` where it is not there, or no text."""
     try:
         return path.read_text(encoding="utf-8-sig")  # a spreadsheet begins its UTF-8 with a byte-order mark
     except FileNotFoundError:

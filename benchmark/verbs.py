@@ -126,13 +126,14 @@ def estimate(
     from benchmark import run
     from benchmark.knowledge import declare
     from benchmark.limits import Limits
+    from benchmark.methods import parameters_of
     from scenes.dataset import Dataset
 
     dataset = Dataset.open(path)
     declaration = declare(dataset, **told)
     bounds = None if limits is None else Limits.of(limits)
     with console.stage(f"{method}: {len(dataset.frames)} frames") as progress:
-        parameters = _parameters(overrides)
+        parameters = parameters_of(overrides)
         answers = run.estimate(method, parameters, dataset, declaration, out, progress=progress, limits=bounds)
     counts = answers.table["outcome"].value_counts()
     console.say(f"{out}: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
@@ -241,15 +242,3 @@ def _print_lidars(rows: "list[Row]", index: "Results", console: Console) -> None
     lines = seeds_lines(rows, index.bases)
     cells = [{"case": line.case, **filter_cells.of_line(line)} for line in lines]
     console.table(f"{index.title}: LIDARs (3σ of the last fifth of the time)", cells, [line.case for line in lines])
-
-
-def _parameters(overrides: list[str]) -> dict[str, object]:
-    from scenes.config import parse_override
-
-    parameters: dict[str, object] = {}
-    for text in overrides:
-        keys, value = parse_override(text)
-        if len(keys) != 1:
-            raise UsageError(f"--set {text!r}: a method's parameter has one name without dots")
-        parameters[keys[0]] = value
-    return parameters
