@@ -156,12 +156,3 @@ def test_the_program_in_the_readme_runs(program):
     errors = [float(text) for text in re.findall(r"^\d+ ([\d.]+) rad off$", printed, re.MULTILINE)]
     assert len(errors) == len(printed.splitlines()) == 4
     assert max(errors) < 0.02
-
-
-def test_the_estimator_in_contributing_keeps_every_promise_but_to_answer(repository, program):
-    folder, _ = program
-    estimator, check = blocks(repository / "CONTRIBUTING.md", "python")
-    checked = check.replace('registry.load("mono-rectangle")', "Mine()")
-    assert checked != check
-    assert python(check, folder) == "[]\n"
-    assert "it answers none of the 4 frames" in python(estimator + checked, folder)
