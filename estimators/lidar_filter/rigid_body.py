@@ -31,6 +31,16 @@ def angular_acceleration(omega: Floats, J: Floats, J_inverse: Floats) -> Floats:
     return -times(J_inverse @ cross_matrix(omega), times(J, omega))
 
 
+def quadratic_form(J: Floats, J_inverse: Floats) -> Floats:
+    """A (..., 3, 9) with ω̇ = A (ω ⊗ ω), for those who ask often with the same inertia."""
+    return np.asarray(-J_inverse @ (_CROSS.reshape(3, 3, 3).swapaxes(0, 1) @ J[..., None, :, :]).reshape((*J.shape[:-2], 3, 9)))
+
+
+def quadratic(form: Floats, omega: Floats) -> Floats:
+    """A (ω ⊗ ω), (..., 3)."""
+    return times(form, (omega[..., :, None] * omega[..., None, :]).reshape((*omega.shape[:-1], 9)))
+
+
 def angular_jacobians(omega: Floats, J: Floats, J_inverse: Floats) -> tuple[Floats, Floats]:
     """∂ω̇/∂ω (..., 3, 3) = −J⁻¹([ω]×J − [Jω]×) and ∂ω̇/∂j (..., 3, 5), column i: −J⁻¹(ω × E_iω + E_iω̇)."""
     turn, momentum = cross_matrix(omega), times(J, omega)
@@ -40,6 +50,21 @@ def angular_jacobians(omega: Floats, J: Floats, J_inverse: Floats) -> tuple[Floa
     of_acceleration = (acceleration[..., None, None, :] @ BASIS)[..., 0, :]
     columns = turn @ of_omega.swapaxes(-1, -2) + of_acceleration.swapaxes(-1, -2)
     return slope, -J_inverse @ columns
+
+
+def angular_quadratic(omega: Floats, J: Floats, J_inverse: Floats, slope: Floats, by_inertia: Floats) -> Floats:
+    """B (..., 3, 8, 8), symmetric: xᵀBx is what ω̇ holds of second order in the errors x = [δω, δj].
+
+    From J ω̇ = −ω × Jω it is −J⁻¹(δω × Jδω + δω × δJω + ω × δJδω + δJ δω̇), with δω̇ of first order by ``angular_jacobians``.
+    """
+    of_omega = BASIS @ omega[..., None, :, None]
+    mixed = cross_matrix(omega)[..., None, :, :] @ BASIS - cross_matrix(of_omega[..., 0]) + BASIS @ slope[..., None, :, :]
+    inverse = -J_inverse[..., None, :, :]
+    B = np.zeros((*omega.shape[:-1], 3, 8, 8))
+    B[..., :3, :3] = quadratic_form(J, J_inverse).reshape((*omega.shape[:-1], 3, 3, 3))
+    B[..., :3, 3:] = np.moveaxis(inverse @ mixed, -3, -1)
+    B[..., 3:, 3:] = (inverse @ (BASIS @ by_inertia[..., None, :, :])).swapaxes(-3, -2)
+    return (B + B.swapaxes(-1, -2)) / 2
 
 
 def body_acceleration(omega_body: Floats, ratios: Floats) -> Floats:

@@ -18,10 +18,12 @@ class StartParameters(Spec):
 
 
 class NoiseParameters(Spec):
-    """What the equations of motion leave out, as white noise of constant density on each axis."""
+    """What the equations of motion leave out, as white noise of constant density on each axis, and what their linear form does."""
 
     rotation_rad2_s3: NonNegative = 1e-9  # of angular acceleration
     translation_m2_s3: NonNegative = 1e-7  # of acceleration relative to the chaser
+    second_order: NonNegative = 0.25  # share of angular acceleration of second order in the errors that counts as noise (0: none) …
+    remembered_s: Positive = 60.0  # … which stays the same for 1 / |ω|, but no longer than this
 
 
 class MeasurementParameters(Spec):

@@ -13,14 +13,23 @@ from scipy.spatial.transform import Rotation
 from estimators.lidar_filter import tumble_filter_state as at
 from estimators.lidar_filter.chaser import ChaserOrbit
 from estimators.lidar_filter.relative_orbit import relative_jacobian
-from estimators.lidar_filter.rigid_body import angular_acceleration, angular_jacobians, cross_matrix, times, turned
+from estimators.lidar_filter.rigid_body import (
+    angular_jacobians,
+    angular_quadratic,
+    cross_matrix,
+    quadratic,
+    quadratic_form,
+    times,
+    turned,
+)
 from estimators.lidar_filter.tumble_filter_parameters import TumbleParameters
 from estimators.lidar_filter.tumble_filter_state import STATES, TumbleState
 from scenes.arrays import Floats
 
 _NOISY = np.array([*range(3, 6), *range(14, 17)])  # ω and v
 _EYE, _EYE_3, _EYE_6 = np.eye(STATES), np.eye(3), np.eye(6)
-_MOST_STEPS = 1000
+_MOST_STEPS, _TINY = 1000, 1e-300
+_QUADRATIC = slice(3, 11)  # ω and j
 
 
 def predicted(
@@ -33,13 +42,14 @@ def predicted(
         return state
     h, J, start_s = span / steps, state.J, state.time_s
     inverse = np.asarray(np.linalg.inv(J), dtype=np.float64)
-    kept = exp(-h / parameters.measurement.drift_time_s)
+    form, kept = quadratic_form(J, inverse), exp(-h / parameters.measurement.drift_time_s)
     for index in range(steps):
         motion = relative_jacobian(orbit.rates_at(start_s + (index + 0.5) * h))
-        after = _moved(state, h, J, inverse, motion, kept)
+        after = _moved(state, h, form, motion, kept)
         if not mean_only:
             F = error_matrix((state.omega_rad_s + after.omega_rad_s) / 2, J, inverse, motion)
-            after = replace(after, covariance=_spread(state, F, h, kept, parameters))
+            gained = _second_order(state, J, inverse, F, h, parameters)
+            after = replace(after, covariance=_spread(state, F, h, kept, parameters, gained))
         state = after
     return replace(state, time_s=time_s)
 
@@ -51,9 +61,9 @@ def _steps(span_s: float, omega: Floats, parameters: TumbleParameters) -> int:
     return max(ceil(span_s / parameters.longest_step_s), ceil(turns))
 
 
-def _moved(state: TumbleState, h: float, J: Floats, inverse: Floats, motion: Floats, kept: float) -> TumbleState:
+def _moved(state: TumbleState, h: float, form: Floats, motion: Floats, kept: float) -> TumbleState:
     """The mean after one step, with the covariance of before."""
-    omega, turn = turned(lambda value: angular_acceleration(value, J, inverse), state.omega_rad_s, h)
+    omega, turn = turned(lambda value: quadratic(form, value), state.omega_rad_s, h)
     path = times(_series(motion * h, _EYE_6), np.concatenate([state.position_m, state.velocity_m_s], axis=-1))
     return TumbleState(
         time_s=state.time_s + h,
@@ -89,12 +99,31 @@ def _series(step: Floats, eye: Floats) -> Floats:
     return value
 
 
-def _spread(state: TumbleState, F: Floats, h: float, kept: float, parameters: TumbleParameters) -> Floats:
+def _second_order(state: TumbleState, J: Floats, inverse: Floats, F: Floats, h: float, parameters: TumbleParameters) -> Floats:
+    """Variance (..., 3, 3) that ω gains in a step from what is quadratic in the errors of ω and j, taken for white noise.
+
+    The quadratic form xᵀBx of a Gaussian error has the covariance 2 tr(B_i P B_j P) (Athans et al. 1968). It stays for about
+    1 / |ω|. While little is known of the inertia it is the largest error; yet ω is never less known for it than at the start.
+    """
+    P, noise = state.covariance[..., _QUADRATIC, _QUADRATIC], parameters.noise
+    slope, by_inertia = F[..., at.OMEGA, at.OMEGA], F[..., at.OMEGA, at.INERTIA]
+    BP = angular_quadratic(state.omega_rad_s, J, inverse, slope, by_inertia) @ P[..., None, :, :]
+    flat = BP.reshape((*BP.shape[:-2], 64))
+    both = flat @ BP.swapaxes(-1, -2).reshape(flat.shape).swapaxes(-1, -2)  # tr(B_i P B_j P)
+    slowest = np.maximum((state.omega_rad_s**2).sum(axis=-1), noise.remembered_s**-2)
+    gained = 2 * noise.second_order * abs(h) / np.sqrt(slowest)[..., None, None] * both
+    room = 3 * parameters.start.omega_rad_s**2 - np.trace(P[..., :3, :3], axis1=-2, axis2=-1)
+    wanted = np.trace(gained, axis1=-2, axis2=-1)
+    return np.asarray(gained * (np.clip(room, 0.0, wanted) / np.maximum(wanted, _TINY))[..., None, None])
+
+
+def _spread(state: TumbleState, F: Floats, h: float, kept: float, parameters: TumbleParameters, gained: Floats) -> Floats:
     """Covariance (..., 26, 26) after one step: Φ P Φᵀ + Q, and a drift that forgets all but the share ``kept``."""
     half = _series(F * (h / 2), _EYE)
     whole = half @ half
     P, after = state.covariance, np.empty((*F.shape[:-2], at.ALL, at.ALL))
     after[..., :STATES, :STATES] = whole @ P[..., :STATES, :STATES] @ whole.swapaxes(-1, -2) + _noise(whole, half, h, parameters)
+    after[..., at.OMEGA, at.OMEGA] += gained
     after[..., :STATES, at.DRIFT] = across = kept * (whole @ P[..., :STATES, at.DRIFT])
     after[..., at.DRIFT, :STATES] = across.swapaxes(-1, -2)
     after[..., at.DRIFT, at.DRIFT] = kept**2 * P[..., at.DRIFT, at.DRIFT] + (1 - kept**2) * state.drift_spread

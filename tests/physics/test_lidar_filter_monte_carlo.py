@@ -80,11 +80,11 @@ def test_a_noise_that_is_a_hundredth_of_the_truths_shows(rotation, translation):
 
 def test_noises_that_change_places_show():
     """Eq. (23) as printed, with densities that differ."""
-    truth = tumbling.disturbed(SEEDS, rotation_rad2_s3=1e-9, translation_m2_s3=1e-7)
+    truth = tumbling.disturbed(SEEDS, 500, rotation_rad2_s3=1e-9, translation_m2_s3=1e-7)
     right, wrong = (run(truth, SEEDS, parameters(*noise), start=SMALL) for noise in ((1e-9, 1e-7), (1e-7, 1e-9)))
     assert LOW < right.nees.mean() < HIGH
     assert wrong.nees.mean() > 5 * HIGH
-    assert wrong.three_sigma(at.POSITION) > 2 * right.three_sigma(at.POSITION)
+    assert wrong.three_sigma(at.POSITION, 300) > 2 * right.three_sigma(at.POSITION, 300)
 
 
 def test_from_nothing_every_seed_finds_inertia_and_motion(uninformed):
@@ -115,6 +115,22 @@ def test_accurate_registrations_are_worth_it(uninformed):
         assert found.three_sigma(of) < 0.7 * uninformed.three_sigma(of)
 
 
+def test_what_is_not_linear_counts_as_noise_while_little_is_known():
+    """From nothing, with accurate registrations and a target that hardly anything disturbs, the linear filter believes too much."""
+    truth = tumbling.quiet()
+
+    def filtered(share):
+        noise = NoiseParameters(rotation_rad2_s3=1e-11, translation_m2_s3=1e-9, second_order=share)
+        return run(truth, SEEDS, TumbleParameters(noise=noise, measurement=WHITE), sigma=FINE)
+
+    whole, linear = filtered(0.25), filtered(0.0)
+    for since, until in ((0, 50), (50, 200), (200, 1000)):
+        assert whole.nees[since:until].mean() < HIGH
+        assert linear.nees[max(since, 20) : until].mean() > 2 * HIGH
+    assert 3 * rms(whole.derived()[0]) < 0.01
+    assert whole.inertia_error()[800:].max() < 0.5 * linear.inertia_error()[800:].max()
+
+
 def test_the_gate_keeps_gross_errors_out():
     truth = tumbling.quiet()
     kept = run(truth, SEEDS, parameters(), outliers=0.05, gate=GATE)
@@ -122,12 +138,12 @@ def test_the_gate_keeps_gross_errors_out():
     assert kept.inertia_error()[800:].max() < 0.03
     refused = (kept.nis[1:] > GATE).mean()
     assert 0.045 < refused < 0.06
-    assert run(tumbling.quiet(400), SEEDS, parameters(), outliers=0.05).nees.mean() > 100 * HIGH
+    assert run(tumbling.quiet(30), SEEDS, parameters(), outliers=0.05).nees.mean() > 3 * HIGH  # soon after, it spins madly
 
 
 def test_errors_that_last_need_states_of_their_own():
     """A Gauss-Markov error of 0.4° and 2 cm over 15 s: white noise of the same size is overconfident, drift states are not."""
-    truth = tumbling.disturbed(SEEDS, rotation_rad2_s3=1e-9, translation_m2_s3=1e-7)
+    truth = tumbling.disturbed(SEEDS, 500, rotation_rad2_s3=1e-9, translation_m2_s3=1e-7)
     white, drift = (0.003, 0.01), (0.007, 0.02, 15.0)
     model = MeasurementParameters(lasting=0, drift_rad=drift[0], drift_m=drift[1], drift_time_s=drift[2])
     told = run(truth, SEEDS, parameters(measurement=model), sigma=white, start=SMALL, drift=drift)
@@ -137,7 +153,7 @@ def test_errors_that_last_need_states_of_their_own():
     untold = run(truth, SEEDS, parameters(measurement=floor), sigma=white, start=SMALL, drift=drift)
     assert untold.nees[100:].mean() > 3 * HIGH
     assert untold.nis[1:].mean() < 5  # and it looks fine to itself
-    assert told.three_sigma(at.ATTITUDE) < untold.three_sigma(at.ATTITUDE)
+    assert told.three_sigma(at.ATTITUDE, 300) < untold.three_sigma(at.ATTITUDE, 300)
 
 
 def measurements(truth, seeds, sigma=PAPER):
@@ -158,7 +174,7 @@ def test_the_filter_alone_does_what_many_at_once_do():
     mine = measurements(truth, 2)[1]
     alone.start(mine[0], truth.chasers[0])
     innovations = [alone.update(*pair) for pair in zip(mine[1:], truth.chasers[1:], strict=True)]
-    assert [one.nis for one in innovations] == pytest.approx(batch.nis[1:, 1], rel=1e-6)
+    assert [one.nis for one in innovations] == pytest.approx(batch.nis[1:, 1], rel=1e-9)
     assert pytest.approx(batch.J[-1, 1], abs=1e-9) == alone.state.J
 
 

@@ -17,9 +17,12 @@ from estimators.lidar_filter.relative_orbit import OrbitRates, relative_accelera
 from estimators.lidar_filter.rigid_body import (
     angular_acceleration,
     angular_jacobians,
+    angular_quadratic,
     body_acceleration,
     body_jacobians,
     cross_matrix,
+    quadratic,
+    quadratic_form,
     turned,
 )
 from estimators.lidar_filter.tumble_filter_parameters import NoiseParameters, TumbleParameters
@@ -125,6 +128,27 @@ def test_the_accelerations_derivatives(case):
         return angular_acceleration(omega, matrix, np.linalg.inv(matrix))
 
     assert relative_error(by_j, slope(of_inertia, j)) < 1e-10
+
+
+def test_what_is_quadratic_in_the_errors_of_rate_and_inertia(case):
+    """Against second differences, which for steps of 1e-3 are good to 1e-6."""
+    omega, J = case["omega"], case["J"]
+    inverse, j = np.linalg.inv(J), components_of(J)
+    errors = np.concatenate([0.01 * RNG.normal(size=(8, 3)), 0.3 * RNG.normal(size=(8, 5))], axis=1)
+    slope_omega, slope_j = angular_jacobians(omega, J, inverse)
+    B = angular_quadratic(omega, J, inverse, slope_omega, slope_j)
+    found = np.einsum("na,iab,nb->ni", errors, B, errors)
+
+    def acceleration(share):
+        matrices = inertia_of(j + share * errors[:, 3:])
+        return angular_acceleration(omega + share * errors[:, :3], matrices, np.linalg.inv(matrices))
+
+    expected = (acceleration(1e-3) + acceleration(-1e-3) - 2 * acceleration(0)) / 2e-6
+    assert relative_error(found, expected) < 1e-5
+    form = quadratic_form(J, inverse)
+    assert quadratic(form, omega) == pytest.approx(angular_acceleration(omega, J, inverse), abs=1e-16)
+    two = [np.stack([one, one]) for one in (omega, J, inverse, slope_omega, slope_j)]
+    assert angular_quadratic(*two)[1] == pytest.approx(B, abs=1e-12)
 
 
 def test_both_forms_of_the_acceleration_are_one(case):
@@ -331,7 +355,7 @@ def state_of(case, P):
 
 def test_the_predicted_covariance_is_van_loans(case):
     """Φ and Q over a second against the exponential of the block matrix (Van Loan 1978); Q as printed is not that."""
-    parameters = TumbleParameters(noise=NoiseParameters(rotation_rad2_s3=1e-7, translation_m2_s3=1e-5))
+    parameters = TumbleParameters(noise=NoiseParameters(rotation_rad2_s3=1e-7, translation_m2_s3=1e-5, second_order=0))
     orbit = ChaserOrbit(0.5, 0.0, 1.0, 0.0)
     omega = 1e-9 * case["omega"]  # so that F is constant
     root = RNG.normal(size=(20, 20)) * 1e-3
@@ -354,7 +378,9 @@ def transition_error(longest_step_s):
     """Largest difference of any Φ_i Φ_iᵀ over 1 s from finite differences of the mean itself."""
     truth = tumbling.quiet()
     parameters = TumbleParameters(
-        noise=NoiseParameters(rotation_rad2_s3=0, translation_m2_s3=0), longest_step_s=longest_step_s, longest_turn_rad=10
+        noise=NoiseParameters(rotation_rad2_s3=0, translation_m2_s3=0, second_order=0),
+        longest_step_s=longest_step_s,
+        longest_turn_rad=10,
     )
     orbit = ChaserOrbit.of(truth.chasers[0])
     j, zero = components_of(tumbling.J_TARGET), np.zeros((6, 6))
