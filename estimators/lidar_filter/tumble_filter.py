@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.spatial.transform import RigidTransform
+from scipy.spatial.transform import RigidTransform, Rotation
 from scipy.special import chdtri
 
 from estimators.lidar_filter import tumble_filter_state as at
@@ -32,7 +32,7 @@ class TumbleFilter:
 
     def __init__(self, chaser_from_lidar: RigidTransform, parameters: TumbleParameters | None = None) -> None:
         """``chaser_from_lidar``: the LIDAR's mount."""
-        self._mount = chaser_from_lidar.rotation, chaser_from_lidar.inv().translation
+        self._mount = chaser_from_lidar.rotation.as_matrix(), chaser_from_lidar.inv().translation
         self._parameters = parameters or TumbleParameters()
         gate = self._parameters.measurement.gate
         self._gate = float(chdtri(_DOF, 1 - gate)) if gate < 1 else np.inf
@@ -66,20 +66,19 @@ class TumbleFilter:
         if measurement.time_s < last.time_s:
             self.predict(chaser)
             return Innovation(np.nan, _DOF, False)
-        prior = predicted(last, measurement.time_s, ChaserOrbit.of(chaser), self._parameters)
-        self._refused += 1
-        doubtful = self._refused > self._parameters.measurement.patience
-        prior = doubted(prior, self._parameters) if doubtful else prior
-        nis = self._take(prior, measurement, chaser, np.inf if doubtful else self._gate)
-        accepted = doubtful or nis <= self._gate
-        self._refused = 0 if accepted else self._refused
+        prior, gate = predicted(last, measurement.time_s, ChaserOrbit.of(chaser), self._parameters), self._gate
+        if self._refused >= self._parameters.measurement.patience:
+            prior, gate = doubted(prior, self._parameters), np.inf
+        nis = self._take(prior, measurement, chaser, gate)
+        accepted = bool(np.isfinite(nis)) and nis <= gate
+        self._refused = 0 if accepted else self._refused + 1
         return Innovation(nis, _DOF, accepted)
 
     def _take(self, prior: TumbleState, measurement: PoseMeasurement, chaser: ChaserState, gate: float) -> float:
         """Updates at the measurement's instant, predicts to the present, and returns the squared Mahalanobis length."""
         view = self._view(chaser, measurement.time_s)
-        pose, (R, lasting) = measurement.lidar_from_target, stated(measurement.covariance, self._parameters)
-        after, nis = updated(prior, view, pose.rotation, pose.translation, R, gate, self._parameters.least_moment)
+        pose, (R, lasting) = measurement.lidar_from_target.as_matrix(), stated(measurement.covariance, self._parameters)
+        after, nis = updated(prior, view, pose[:3, :3], pose[:3, 3], R, gate, self._parameters.least_moment)
         self._measured = replace(after, drift_spread=lasting) if nis <= gate else after
         self._now = predicted(self._measured, chaser.time_s, ChaserOrbit.of(chaser), self._parameters)
         return float(nis)
@@ -88,8 +87,8 @@ class TumbleFilter:
         """The pose expected at ``chaser.time_s``. The filter stays as it is."""
         state = predicted(self.state, chaser.time_s, ChaserOrbit.of(chaser), self._parameters, mean_only=True)
         view = View.of(chaser, *self._mount)
-        rotation = view.inertial_from_lidar.inv() * state.inertial_from_target
-        return RigidTransform.from_components(view.origin(state, rotation.as_matrix()), rotation)
+        rotation = view.rotation(state)
+        return RigidTransform.from_components(view.origin(state, rotation), Rotation.from_matrix(rotation))
 
     def extras(self) -> dict[str, float]:
         """States and their 1σ as named numbers; none before the first measurement."""
@@ -120,7 +119,7 @@ def begun(measurement: PoseMeasurement, view: View, parameters: TumbleParameters
     pose = measurement.lidar_from_target
     position = (pose.translation - view.chaser_lidar_m) @ view.lidar_from_lvlh
     zero, j, drift = (np.zeros((*position.shape[:-1], size)) for size in (3, 5, 6))
-    attitude = view.inertial_from_lidar * pose.rotation
+    attitude = Rotation.from_matrix(view.lidar_from_inertial.T @ pose.rotation.as_matrix())
     _, lasting = stated(measurement.covariance, parameters)
     covariance = block_diag(_ignorance(parameters), lasting)
     return TumbleState(measurement.time_s, attitude, zero, j, position, zero, zero, drift, lasting, covariance)

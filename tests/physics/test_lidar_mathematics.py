@@ -28,7 +28,7 @@ from estimators.lidar_filter.rigid_body import (
 from estimators.lidar_filter.tumble_filter_parameters import NoiseParameters, TumbleParameters
 from estimators.lidar_filter.tumble_filter_prediction import error_matrix, predicted
 from estimators.lidar_filter.tumble_filter_state import TumbleState
-from estimators.lidar_filter.tumble_filter_update import sensitivity
+from estimators.lidar_filter.tumble_filter_update import rotation_vectors, sensitivity
 from scenes.inertia import BASIS, components_of, inertia_of
 from scenes.recording import ChaserState
 
@@ -445,3 +445,11 @@ def test_relative_attitude_in_inertial_space_is_eqs_8_and_9():
     back, turn = Rotation.from_rotvec(-50 * omega_A), Rotation.from_rotvec(50 * omega_P)
     expected = (back * Rotation.from_quat(q) * turn).as_quat()
     assert np.abs(found - expected * np.sign(expected @ found)).max() < 1e-11
+
+
+def test_rotation_vectors_of_matrices_are_scipys():
+    turns = Rotation.from_rotvec(Rotation.random(500, rng=RNG).as_rotvec() * np.geomspace(1e-9, 1, 500)[:, None])
+    for some in (turns[:400], turns):  # the others turn by up to half a circle, which is SciPy's own
+        assert np.abs(rotation_vectors(some.as_matrix()) - some.as_rotvec()).max() < 1e-13
+    assert (rotation_vectors(np.eye(3)) == 0).all()
+    assert rotation_vectors(np.diag([1.0, -1.0, -1.0])) == pytest.approx([np.pi, 0, 0])

@@ -89,14 +89,14 @@ def run(truth, seeds, parameters=None, sigma=PAPER, start=None, gate=np.inf, **m
     log, state = {"error": [], "sigma": [], "nees": [], "nis": [], "J": []}, None
     for k, (rotation, origin) in enumerate(measured(truth, seeds, sigma, **more)):
         chaser = truth.chasers[k]
-        view = View.of(chaser, Rotation.identity(), -tumbling.MOUNT.translation)
+        view = View.of(chaser, np.eye(3), -tumbling.MOUNT.translation)
         if state is None:
             pose = RigidTransform.from_components(origin, rotation)
             state = begun(PoseMeasurement(chaser.time_s, pose, stating), view, parameters)
             state = state if start is None else drawn(truth, state, start, parameters)
         else:
             state = predicted(state, chaser.time_s, ChaserOrbit.of(chaser), parameters)
-        state, nis = updated(state, view, rotation, origin, R, gate if k else np.inf, parameters.least_moment)
+        state, nis = updated(state, view, rotation.as_matrix(), origin, R, gate if k else np.inf, parameters.least_moment)
         error = errors(truth, k, state)
         P = state.covariance[:, :20, :20]
         log["error"].append(error)
