@@ -7,6 +7,7 @@ on from there is this value.
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cache
 from numbers import Real
 from typing import Any
 
@@ -56,13 +57,20 @@ class Opening:
     failure: Answer | None = None
 
 
-_ANSWER: TypeAdapter[Answer] = TypeAdapter(Answer)
-_OPENING: TypeAdapter[Opening] = TypeAdapter(Opening)
+@cache
+def _answers() -> TypeAdapter[Answer]:
+    """Built where answers are read, which is not where methods run."""
+    return TypeAdapter(Answer)
+
+
+@cache
+def _openings() -> TypeAdapter[Opening]:
+    return TypeAdapter(Opening)
 
 
 def from_plain(plain: object) -> Answer:
     """The answer in what another process sent. Raises ``ValueError`` where that is none."""
-    answer = _ANSWER.validate_python(plain)
+    answer = _answers().validate_python(plain)
     if (answer.outcome is Outcome.OK) != (answer.quaternion is not None):
         raise ValueError(f"outcome {answer.outcome.value} and pose {answer.quaternion} contradict each other")
     if answer.quaternion is not None and abs(math.hypot(*answer.quaternion) - 1) > _UNIT_TOLERANCE:
@@ -72,7 +80,7 @@ def from_plain(plain: object) -> Answer:
 
 def opening_from_plain(plain: object) -> Opening:
     """The opening in what another process sent. Raises ``ValueError`` where that is none."""
-    return _OPENING.validate_python(plain)
+    return _openings().validate_python(plain)
 
 
 def crashed(sensor: str, reason: str) -> Answer:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from benchmark.answer import Answer, Opening, answer_of, crashed, raised
-from benchmark.machine import Stopwatch
+from benchmark.cpu_time import Stopwatch
 from estimators.api import Estimator
 from scenes.errors import UsageError
 from scenes.recording import Knowledge, Observation

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from benchmark.isolation.channel import BadMessage, Inbox, framed
-from benchmark.isolation.memory import exceeds
-from benchmark.isolation.shared import SharedMemory
+from benchmark.isolation.memory import MemoryWatch
+from benchmark.isolation.shared import SLOTS, Slot
 from benchmark.isolation.surroundings import PROGRAM, environment
 from benchmark.isolation.tail import Tail
 from benchmark.isolation.wire import pack
@@ -48,20 +48,22 @@ class MethodProcess:
         """Starts it; it imports what it needs while this process goes on."""
         self._log, self._memory_bytes = log, memory_bytes
         self._folder = tempfile.TemporaryDirectory(prefix="hardlight-method-", ignore_cleanup_errors=True)
-        self._shared = SharedMemory()
+        self._slots = [Slot() for _ in range(SLOTS)]
+        self._held: frozenset[int] = frozenset()
         self._channel, theirs = socket.socketpair()
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", PROGRAM, str(self._shared.fd)],
+                [sys.executable, "-c", PROGRAM, *(str(slot.fd) for slot in self._slots)],
                 stdin=theirs.fileno(),
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 cwd=self._folder.name,
                 env=environment(hidden, with_working_directory=with_working_directory),
-                pass_fds=(self._shared.fd,),
+                pass_fds=[slot.fd for slot in self._slots],
                 start_new_session=True,
             )
         assert self._process.stdout is not None
+        self._memory = MemoryWatch(self._process.pid, memory_bytes)
         self._printed = self._process.stdout.fileno()
         _prepare(self._printed)
         self._heard: selectors.BaseSelector = selectors.DefaultSelector()
@@ -74,9 +76,10 @@ class MethodProcess:
         """What ``read`` makes of its reply. Raises ``Ended`` where there is none; it is then gone with all that it had started."""
         parts, began = pack(value), time.perf_counter()
         try:
-            self._channel.sendall(framed({"do": do, "lengths": self._shared.put(parts)}))
+            slot = next(index for index in range(SLOTS) if index not in self._held)
+            self._channel.sendall(framed({"do": do, "slot": slot, "lengths": self._slots[slot].put(parts)}))
             reply = self._reply(began + timeout_s)
-            self._spent_s = float(reply["spent_s"])
+            self._spent_s, self._held = float(reply["spent_s"]), frozenset(reply["held"]) - {SLOTS - 1}
             return read(reply)
         except Ended as end:
             raise self._end(end, began) from None
@@ -131,7 +134,7 @@ class MethodProcess:
         if now - self._watched < _WATCH_S:
             return
         self._watched = now
-        if exceeds(self._process.pid, self._memory_bytes):
+        if self._memory.exceeded():
             raise Ended(Outcome.CRASHED, f"its process used more than {self._memory_bytes / 2**30:g} GiB")
         if _has_died(self._process.pid):  # a child of its own may still hold the channel open
             raise Ended(Outcome.CRASHED, self._how_it_ended())
@@ -166,8 +169,10 @@ class MethodProcess:
         for _ in range(_LAST_PIECES):
             self._read_what_it_printed()
         self._heard.close()
+        self._memory.close()
         self._channel.close()
-        self._shared.close()
+        for slot in self._slots:
+            slot.close()
         assert self._process.stdout is not None
         self._process.stdout.close()
         self._folder.cleanup()

@@ -15,11 +15,11 @@ from dataclasses import asdict
 from typing import Any
 
 from benchmark.answer import Opening, crashed, raised
+from benchmark.cpu_time import spent_cpu_s
 from benchmark.guarded import IN_START, Guarded, booked_under
 from benchmark.isolation.channel import framed, receive
-from benchmark.isolation.shared import SharedMemory
+from benchmark.isolation.shared import Slot
 from benchmark.isolation.wire import unpack
-from benchmark.machine import spent_cpu_s
 from estimators import registry
 from scenes.errors import UsageError
 from scenes.recording import Knowledge, Observation
@@ -31,15 +31,17 @@ def main() -> None:
     """Serves until the other side closes the channel, which is this process's standard input."""
     _die_with_the_parent()
     faulthandler.enable()  # a segmentation fault leaves its traceback in the log
-    shared = SharedMemory(int(sys.argv[1]))
-    os.set_inheritable(shared.fd, False)
+    slots = [Slot(int(fd)) for fd in sys.argv[1:]]
+    for slot in slots:
+        os.set_inheritable(slot.fd, False)
     channel, served = _channel(), _Served()
     while (message := receive(channel)) is not None:
-        reply = served.reply(message["do"], unpack(shared.get(message["lengths"])))
+        reply = served.reply(message["do"], _given(slots, message["slot"], message["lengths"]))
         for stream in (sys.stdout, sys.stderr):
             with contextlib.suppress(Exception):  # a method may have closed them
                 stream.flush()
-        channel.sendall(framed(reply | {"spent_s": spent_cpu_s()}))
+        held = [index for index, slot in enumerate(slots) if slot.held]
+        channel.sendall(framed(reply | {"held": held, "spent_s": spent_cpu_s()}))
 
 
 class _Served:
@@ -73,6 +75,12 @@ class _Served:
             return self._method.step(observation).plain()
         except BaseException as error:
             return crashed(self._sensor, raised(error)).plain()
+
+
+def _given(slots: list[Slot], index: int, lengths: list[int]) -> Any:
+    """The value in a slot. What came through the last one is copied, so that this one is always free."""
+    parts = slots[index].get(lengths)
+    return unpack([part.copy() for part in parts] if index == len(slots) - 1 else parts)
 
 
 def _channel() -> socket.socket:

@@ -228,3 +228,31 @@ def test_the_time_of_threads_and_children_counts(short: Dataset, tmp_path: Path,
     table = _run(short, "busy:Busy", tmp_path / "a", Limits()).table
     assert np.all(table["cpu_s"] >= 0.4)
     assert np.all(table["cpu_s"] < 0.6)
+
+
+KEEPING = """
+import numpy as np
+from estimators.api import Estimate, Outcome
+
+class Keeping:
+    def __init__(self, count): self.count = count
+    def start(self, knowledge): self.kept, self.knowledge = [], knowledge
+    def step(self, observation):
+        pixels = observation.images["nav"].pixels
+        self.kept = [*self.kept, (pixels, pixels.copy())][-self.count:]
+        same = all(np.array_equal(one, copy) for one, copy in self.kept)
+        return Estimate("nav", Outcome.SKIPPED, reason="busy", extras={"same": same, "kept": len(self.kept)})
+"""
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 21])
+def test_a_frame_that_is_kept_stays_as_it_was(
+    count: int, dataset: Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many a method keeps: the memory through which frames come is used again, those that are kept are not."""
+    (tmp_path / "keeping.py").write_text(KEEPING)
+    monkeypatch.syspath_prepend(tmp_path)
+    extras = _run(dataset, "keeping:Keeping", tmp_path / "a", Limits(), count=count).extras
+    assert extras is not None
+    assert (extras["same"] == 1.0).all()
+    assert extras["kept"].iloc[-1] == count

@@ -1,6 +1,7 @@
 """What crosses to a method's process: values that it may have, bit for bit, and nothing else."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from types import MappingProxyType
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from benchmark.isolation.shared import SharedMemory
+from benchmark.isolation.shared import Slot
 from benchmark.isolation.wire import pack, unpack
 from scenes.arrays import frozen
 from scenes.dataset import Dataset
@@ -74,23 +75,52 @@ def test_a_function_of_no_value_crosses_by_name_and_a_closure_not_at_all() -> No
         pack(Observation(0, 0.0, {"more": lambda: None}))  # type: ignore[dict-item]
 
 
-def test_shared_memory_grows_and_gives_copies() -> None:
-    ours = SharedMemory()
-    theirs = SharedMemory(os.dup(ours.fd))
-    seen = []
-    for size in (4, 500, 30):
-        seen.append((unpack(theirs.get(ours.put(pack(_observation(size, size))))), _observation(size, size)))
-    for came, given in seen:  # what was seen first did not change with what came later
-        assert _same(came.images["left"].pixels, given.images["left"].pixels)
+@pytest.fixture
+def slot() -> Iterator[tuple[Slot, Slot]]:
+    """The judge's end of a slot and the method's."""
+    ours = Slot()
+    theirs = Slot(os.dup(ours.fd))
+    yield ours, theirs
     ours.close()
     theirs.close()
 
 
-def test_arrays_without_elements_and_models_cross() -> None:
+def test_a_slot_grows_and_is_held_as_long_as_anything_of_it_is_used(slot: tuple[Slot, Slot]) -> None:
+    ours, theirs = slot
+    for size in (4, 500, 30):
+        came = unpack(theirs.get(ours.put(pack(_observation(size, size)))))
+        assert _same(came.images["left"].pixels, _observation(size, size).images["left"].pixels)
+        assert came.images["left"].pixels.ctypes.data % 64 == 0
+        assert theirs.held
+        kept = came.images["left"].pixels[1:, ::2].T
+        del came
+        assert theirs.held
+        before = kept.copy()
+        del kept
+        assert not theirs.held
+        assert before.any()
+
+
+def test_an_array_outlives_the_growth_of_its_slot(slot: tuple[Slot, Slot]) -> None:
+    """A method that kept it is not asked through that slot again, but its memory must stay its memory."""
+    ours, theirs = slot
+    kept = unpack(theirs.get(ours.put(pack(_observation(1, 8))))).images["right"].pixels
+    theirs.get(ours.put(pack(_observation(2, 900))))
+    assert kept.shape == (3, 5)
+    kept.tobytes()
+
+
+def test_arrays_without_elements_and_models_cross(slot: tuple[Slot, Slot]) -> None:
+    ours, theirs = slot
     cloud = ModelCloud(np.zeros((0, 3)), np.zeros((0, 3)))
-    ours = SharedMemory()
-    theirs = SharedMemory(os.dup(ours.fd))
     came = unpack(theirs.get(ours.put(pack(Knowledge({}, model=cloud)))))
     assert came.model.points_target.shape == (0, 3)
-    ours.close()
-    theirs.close()
+
+
+@pytest.mark.skipif(not hasattr(os, "memfd_create"), reason="only Linux has seals")
+def test_nobody_can_cut_a_slot_short(slot: tuple[Slot, Slot]) -> None:
+    """Else whoever touched it would be killed by the system."""
+    ours, theirs = slot
+    ours.put(pack(_observation()))
+    with pytest.raises(PermissionError):
+        os.ftruncate(theirs.fd, 0)
