@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from estimators.lidar_filter.relative_orbit import EARTH_GM_M3_S2, OrbitRates
+from estimators.lidar_filter.relative_orbit import OrbitRates
 from estimators.lidar_filter.rigid_body import cross_matrix
 from scenes.arrays import Floats
+from scenes.constants import EARTH_MU_M3_S2
 from scenes.recording import ChaserState
 
 
@@ -34,7 +35,7 @@ def chaser_at(chaser: ChaserState, time_s: float) -> ChaserState:
     r, v = chaser.position_inertial_m, chaser.velocity_inertial_m_s
     if has_orbit(chaser):
         square = r @ r
-        rate = EARTH_GM_M3_S2 / square**1.5  # n²: acceleration −n² r, and of that the derivative
+        rate = EARTH_MU_M3_S2 / square**1.5  # n²: acceleration −n² r, and of that the derivative
         pull, change = -rate * r, -rate * (v - 3 * (r @ v) / square * r)
         r, v = r + dt * (v + dt / 2 * (pull + dt / 3 * change)), v + dt * (pull + dt / 2 * change)
     return ChaserState(time_s, turned, r, v, chaser.omega_chaser_rad_s)
@@ -75,8 +76,8 @@ class ChaserOrbit:
         if self.momentum_m2_s == 0:
             return OrbitRates(0.0, 1.0, 0.0, 1.0)
         dt = time_s - self.time_s
-        pull = self.momentum_m2_s**2 / self.radius_m**3 - EARTH_GM_M3_S2 / self.radius_m**2
+        pull = self.momentum_m2_s**2 / self.radius_m**3 - EARTH_MU_M3_S2 / self.radius_m**2
         radius = self.radius_m + self.radius_rate_m_s * dt + pull * dt**2 / 2
         return OrbitRates(
-            self.momentum_m2_s / radius**2, radius, self.radius_rate_m_s + pull * dt, self.momentum_m2_s**2 / EARTH_GM_M3_S2
+            self.momentum_m2_s / radius**2, radius, self.radius_rate_m_s + pull * dt, self.momentum_m2_s**2 / EARTH_MU_M3_S2
         )

@@ -10,8 +10,6 @@ import numpy as np
 
 from scenes.arrays import Floats
 
-EARTH_GM_M3_S2 = 3.986_004_418e14  # IERS Conventions (2010)
-
 
 class OrbitRates(NamedTuple):
     """The chaser's orbit at an instant: rate of the true anomaly, radius and its rate, semi-latus rectum (rate 0: no orbit)."""
@@ -22,24 +20,8 @@ class OrbitRates(NamedTuple):
     semi_latus_m: float
 
 
-def relative_acceleration(position_lvlh: Floats, velocity_lvlh: Floats, orbit: OrbitRates) -> Floats:
-    """(..., 3) m/s² of eq. (2), from position (..., 3) m and velocity (..., 3) m/s in the rotating frame."""
-    x, y, z = np.moveaxis(position_lvlh, -1, 0)
-    vx, vy, _ = np.moveaxis(velocity_lvlh, -1, 0)
-    rate, radius, radius_rate, semi_latus = orbit
-    share, growth = radius / semi_latus, radius_rate / radius
-    return np.stack(
-        [
-            x * rate**2 * (1 + 2 * share) + 2 * rate * (vy - y * growth),
-            -2 * rate * (vx - x * growth) + y * rate**2 * (1 - share),
-            -z * rate**2 * share,
-        ],
-        axis=-1,
-    )
-
-
 def relative_jacobian(orbit: OrbitRates) -> Floats:
-    """F_t (6, 6) of d/dt [position, velocity], after eq. (21). Eq. (2) is linear, so this is also its matrix."""
+    """F_t (6, 6) of d/dt [position, velocity], after eq. (21). Eq. (2) is linear, so this is all of it."""
     rate, radius, radius_rate, semi_latus = orbit
     share, growth = radius / semi_latus, radius_rate / radius
     matrix = np.zeros((6, 6))

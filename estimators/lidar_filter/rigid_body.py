@@ -45,7 +45,7 @@ def angular_jacobians(omega: Floats, J: Floats, J_inverse: Floats) -> tuple[Floa
     """∂ω̇/∂ω (..., 3, 3) = −J⁻¹([ω]×J − [Jω]×) and ∂ω̇/∂j (..., 3, 5), column i: −J⁻¹(ω × E_iω + E_iω̇)."""
     turn, momentum = cross_matrix(omega), times(J, omega)
     slope = -J_inverse @ (turn @ J - cross_matrix(momentum))
-    acceleration = -times(J_inverse @ turn, momentum)
+    acceleration = angular_acceleration(omega, J, J_inverse)
     of_omega = (omega[..., None, None, :] @ BASIS)[..., 0, :]  # rows E_i ω, as E_i is symmetric
     of_acceleration = (acceleration[..., None, None, :] @ BASIS)[..., 0, :]
     columns = turn @ of_omega.swapaxes(-1, -2) + of_acceleration.swapaxes(-1, -2)

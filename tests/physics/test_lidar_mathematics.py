@@ -13,7 +13,7 @@ from estimators.lidar_filter import tumble_filter_state as at
 from estimators.lidar_filter.chaser import ChaserOrbit, chaser_at, inertial_from_lvlh
 from estimators.lidar_filter.paper_filter_parameters import PaperFilterParameters, Repairs
 from estimators.lidar_filter.paper_filter_solution import errors_map, inertia_target
-from estimators.lidar_filter.relative_orbit import OrbitRates, relative_acceleration, relative_jacobian
+from estimators.lidar_filter.relative_orbit import OrbitRates, relative_jacobian
 from estimators.lidar_filter.rigid_body import (
     angular_acceleration,
     angular_jacobians,
@@ -67,6 +67,15 @@ def R_of(q):
     """R(q) after eq. (7)."""
     v = q[:3]
     return (q[3] ** 2 - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * q[3] * cross_matrix(v)
+
+
+def eq_2(r, v, orbit):
+    """Acceleration in the chaser's orbital frame; p_c is the semi-latus rectum."""
+    rate, radius, radius_rate, semi_latus = orbit
+    share, growth = radius / semi_latus, radius_rate / radius
+    x = r[0] * rate**2 * (1 + 2 * share) + 2 * rate * (v[1] - r[1] * growth)
+    y = -2 * rate * (v[0] - r[0] * growth) + r[1] * rate**2 * (1 - share)
+    return np.array([x, y, -r[2] * rate**2 * share])
 
 
 def conjugate(q):
@@ -162,7 +171,7 @@ def test_both_forms_of_the_acceleration_are_one(case):
 def test_the_relative_motions_matrix_is_its_derivative(case):
     orbit = case["orbit"]
     state = np.concatenate([case["r"], case["v"]])
-    found = slope(lambda x: np.concatenate([x[3:], relative_acceleration(x[:3], x[3:], orbit)]), state)
+    found = slope(lambda x: np.concatenate([x[3:], eq_2(x[:3], x[3:], orbit)]), state)
     assert relative_error(relative_jacobian(orbit), found) < 1e-14
 
 
@@ -175,7 +184,7 @@ def test_the_recommended_filters_error_equation(case):
         E = np.eye(3) + cross_matrix(error[at.ATTITUDE])  # to first order, which is all that the derivative sees
         turn = E @ cross_matrix(omega + error[at.OMEGA]) - cross_matrix(omega) @ E
         matrix = np.eye(3) + np.einsum("i,ijk->jk", j + error[at.INERTIA], BASIS)
-        path = [error[at.VELOCITY], relative_acceleration(error[at.POSITION], error[at.VELOCITY], case["orbit"])]
+        path = [error[at.VELOCITY], eq_2(error[at.POSITION], error[at.VELOCITY], case["orbit"])]
         acceleration = angular_acceleration(omega + error[at.OMEGA], matrix, np.linalg.inv(matrix))
         return np.concatenate([np.array([turn[2, 1], turn[0, 2], turn[1, 0]]), acceleration, np.zeros(5), *path, np.zeros(3)])
 
@@ -205,7 +214,7 @@ def paper_rates(case):
         turn = np.array([*(R_of(eq_3(q_PB, b)).T @ (omega + error[paper.OMEGA])), 0.0])
         half = (eq_4(turn, a) - eq_4(a, estimate)) / 2
         acceleration = body_acceleration(omega + error[paper.OMEGA], p + error[paper.RATIOS])
-        path = [error[paper.VELOCITY], relative_acceleration(error[paper.POSITION], error[paper.VELOCITY], case["orbit"])]
+        path = [error[paper.VELOCITY], eq_2(error[paper.POSITION], error[paper.VELOCITY], case["orbit"])]
         return np.concatenate([half[:3], acceleration, np.zeros(2), *path, np.zeros(6)])
 
     return rates
@@ -279,8 +288,7 @@ def along(start, times_s, circular=False):
         identity, zero = Rotation.identity(), np.zeros(3)
         orbit = ChaserOrbit.of(ChaserState(0.0, identity, now[:3], now[3:], zero)).rates_at(0.0)
         orbit = orbit._replace(semi_latus_m=orbit.radius_m) if circular else orbit
-        acceleration = relative_acceleration(state[6:9], state[9:], orbit)
-        return np.concatenate([tumbling.two_body(now), state[9:], acceleration])
+        return np.concatenate([tumbling.two_body(now), relative_jacobian(orbit) @ state[6:]])
 
     return tumbling.integrated(rate, np.concatenate([chaser, path]), times_s)[:, 6:]
 
