@@ -3,10 +3,12 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from benchmark import judge, run
 from benchmark.knowledge import declare
+from benchmark.limits import Limits
 from benchmark.summary import Summary
 from renderer.generate import generate
 from scenes.dataset import Dataset
@@ -41,6 +43,18 @@ def test_our_method_measures_the_ring(dataset: Dataset, tmp_path: Path):
     assert (summary.answered, ring.ring_right, summary.label_switches, summary.wrong) == (len(FRAMES), len(FRAMES), 0, 0)
     assert all(abs(axis.value) < 3.0 for axis in ring.bias_mm)
     assert ring.normal_median_deg.value < 0.4
+
+
+@pytest.mark.slow
+def test_in_a_process_of_its_own_it_answers_the_same_to_the_last_bit(dataset: Dataset, tmp_path: Path):
+    tables = []
+    for name, limits in (("apart", Limits()), ("here", None)):
+        answers = run.estimate("stereo-ring", {}, dataset, declare(dataset, "ring"), tmp_path / name, limits=limits)
+        assert answers.extras is not None
+        times = [column for column in answers.extras if str(column).startswith("cpu_")]
+        tables.append((answers.table.drop(columns=["cpu_s", "wall_s"]), answers.extras.drop(columns=times)))
+    for apart, here in zip(*tables):
+        pd.testing.assert_frame_equal(apart, here, check_exact=True)
 
 
 @pytest.mark.slow
