@@ -15,10 +15,14 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """Points (n, 3), metres, with outward unit normals (n, 3), in one frame that the variable's name says."""
+    """Points (n, 3), metres, with outward unit normals (n, 3), in one frame that the variable's name says.
+
+    ``is_edge`` (n,): where the surface ends, if that is known: there a point is told apart from its neighbours on all sides.
+    """
 
     points: Floats
     normals: Floats
+    is_edge: Bools | None = None
 
     def __len__(self) -> int:
         """How many points there are."""
@@ -26,11 +30,11 @@ class Surface:
 
     def at(self, which: Bools | Indices) -> "Surface":
         """The points that a mask or indices choose."""
-        return Surface(self.points[which], self.normals[which])
+        return Surface(self.points[which], self.normals[which], None if self.is_edge is None else self.is_edge[which])
 
     def moved(self, a_from_b: RigidTransform) -> "Surface":
         """The same surface in frame a, given in frame b."""
-        return Surface(a_from_b.apply(self.points), a_from_b.rotation.apply(self.normals))
+        return Surface(a_from_b.apply(self.points), a_from_b.rotation.apply(self.normals), self.is_edge)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +93,13 @@ def nearest_in(tree: cKDTree, points: Floats) -> tuple[Floats, Indices]:
     return np.asarray(distance, dtype=np.float64), np.asarray(number, dtype=np.intp)
 
 
+def neighbours_of(points: Floats, count: int) -> tuple[Floats, Indices]:
+    """Distance and number (n, k) of the nearest ``count`` of the points (n, d) to each of them, the point itself first."""
+    k = min(count, len(points))
+    distance, number = cKDTree(points).query(points, k=k)
+    return np.asarray(distance, dtype=np.float64).reshape(-1, k), np.asarray(number, dtype=np.intp).reshape(-1, k)
+
+
 def every(points: Floats, most: int) -> Floats:
     """At most ``most`` of the points, evenly spread over their order."""
     if len(points) <= most:
@@ -96,15 +107,37 @@ def every(points: Floats, most: int) -> Floats:
     return points[np.linspace(0, len(points) - 1, most).round().astype(np.intp)]
 
 
-def normals_towards(points: Floats, eye: Floats, neighbours: int) -> Floats:
-    """Unit normals (n, 3) of the planes through each point's nearest ``neighbours``, turned towards ``eye`` (3,).
+def planes_through(points: Floats, eye: Floats, neighbours: int) -> Surface:
+    """Each point moved onto the plane through its nearest ``neighbours``, with that plane's normal, turned towards ``eye`` (3,).
 
     The normal is the eigenvector of the neighbours' scatter with the least eigenvalue (Hoppe et al. 1992, §3.1).
     """
-    _, near = cKDTree(points).query(points, k=min(neighbours, len(points)))
-    around = points[near.reshape(len(points), -1)]
-    around = around - around.mean(axis=1, keepdims=True)
+    _, near = neighbours_of(points, neighbours)
+    around = points[near]
+    middle = around.mean(axis=1)
+    around = around - middle[:, None]
     _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))
     normals = axes[:, :, 0]
     away = np.sum(normals * (eye - points), axis=1) < 0
-    return np.asarray(np.where(away[:, None], -normals, normals))
+    normals = np.where(away[:, None], -normals, normals)
+    off = np.sum((middle - points) * normals, axis=1, keepdims=True)
+    return Surface(points + off * normals, normals)
+
+
+def filled(surface: Surface, neighbours: int = 4) -> Surface:
+    """The points, and the middles between each and its nearest ``neighbours``, where these are not far for a neighbour.
+
+    Where both clouds of a registration lie on the grid of the beams, nearest points hold the grids together and not the target.
+    """
+    distance, near = neighbours_of(surface.points, neighbours + 1)
+    usual = np.median(distance[:, 1])
+    one, rank = np.nonzero(distance[:, 1:] < 3 * usual)
+    pairs = np.unique(np.sort(np.stack([one, near[one, rank + 1]], axis=1), axis=1), axis=0)
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    points = surface.points[pairs].mean(axis=1)
+    normals = surface.normals[pairs].sum(axis=1)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    kept = length[:, 0] > 0.5  # the two sides of a corner have no middle
+    return Surface(
+        np.concatenate([surface.points, points[kept]]), np.concatenate([surface.normals, normals[kept] / length[kept]])
+    )

@@ -48,6 +48,27 @@ class AcquisitionParameters(Spec):
     most_cost: Fraction = 0.6  # what costs more than this share of the most is no fit
 
 
+class MapParameters(Spec):
+    """A map of keyframes."""
+
+    apart_deg: Positive = 6.0  # between the directions that keyframes are seen from
+    cell_m: Positive = 0.1  # width of the columns in which the returns of a keyframe are averaged
+    neighbours: Annotated[int, Field(ge=3)] = 12  # of a point, whose plane gives its normal
+    most_scans: Count = 100  # that a keyframe takes in
+    used_deg: Positive = 40.0  # keyframes seen from directions within this of the present one are registered to …
+    used: Count = 6  # … but no more than so many, the nearest
+    voxel_m: Positive = 0.04  # of which they keep one point
+    linked_deg: Positive = 35.0  # a finished keyframe is registered to others seen from within this …
+    linked: Count = 6  # … to so many that are known to lie beside it …
+    looped: Count = 4  # … and to so many others
+    loop_reach_m: Positive = 1.5  # distance from which those are drawn together
+    loop_rmse: Positive = 1.5  # they are the same place if they fit no worse than so many times what lies beside
+    least_overlap: Fraction = 0.6  # share of a keyframe that has to lie near the other
+    floor_deg: Positive = 0.15  # 1σ of a pair that its own covariance leaves out, each axis …
+    floor_m: Positive = 0.01
+    believed_m: Positive = 0.3  # a loop that all others contradict by more than about this is left out
+
+
 class TrackParameters(Spec):
     """From scan to scan."""
 
@@ -70,6 +91,7 @@ class LidarParameters(Spec):
     registration: RegistrationParameters = RegistrationParameters()
     visibility: VisibilityParameters = VisibilityParameters()
     acquisition: AcquisitionParameters = AcquisitionParameters()
+    map: MapParameters = MapParameters()
     track: TrackParameters = TrackParameters()
     filter: TumbleParameters = TumbleParameters()
 

@@ -10,12 +10,15 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from estimators.lidar_filter.acquisition import Acquisition
-from estimators.lidar_filter.clouds import Surface, normals_towards
+from estimators.lidar_filter.clouds import Surface, planes_through
+from estimators.lidar_filter.keyframe_map import KeyframeMap
 from estimators.lidar_filter.parameters import LidarParameters, VisibilityParameters
 from estimators.lidar_filter.setting import Setting
 from estimators.lidar_filter.visibility import seen
 from scenes.arrays import Floats
 from scenes.recording import ModelCloud
+
+Anchored = tuple[int, RigidTransform]
 
 
 class Reference(Protocol):
@@ -31,8 +34,14 @@ class Reference(Protocol):
     def visible(self, lidar_from_own: RigidTransform) -> Surface:
         """The part that can be seen from such a pose, own frame."""
 
-    def learn(self, points_lidar: Floats, lidar_from_own: RigidTransform) -> None:
-        """Takes in a scan whose pose is believed."""
+    def learn(self, points_lidar: Floats, lidar_from_own: RigidTransform) -> bool:
+        """Takes in a scan whose pose is believed, and says whether the surface has moved by it."""
+
+    def anchored(self, lidar_from_own: RigidTransform) -> Anchored:
+        """A pose that moves with the surface where that moves in the own frame."""
+
+    def released(self, anchored: Anchored) -> RigidTransform:
+        """lidar_from_own of such a pose as the surface now lies."""
 
     def extras(self) -> dict[str, float]:
         """Its size, as named numbers."""
@@ -61,8 +70,17 @@ class ModelReference:
         """What faces the LIDAR and is not hidden."""
         return self._surface.at(seen(self._surface.moved(lidar_from_own), self._visibility))
 
-    def learn(self, points_lidar: Floats, lidar_from_own: RigidTransform) -> None:
+    def learn(self, points_lidar: Floats, lidar_from_own: RigidTransform) -> bool:  # noqa: ARG002
         """A model learns nothing."""
+        return False
+
+    def anchored(self, lidar_from_own: RigidTransform) -> Anchored:
+        """A model does not move."""
+        return 0, lidar_from_own
+
+    def released(self, anchored: Anchored) -> RigidTransform:
+        """A model does not move."""
+        return anchored[1]
 
     def extras(self) -> dict[str, float]:
         """Its number of points."""
@@ -86,15 +104,24 @@ class FirstScan:
         """The first scan lies where it lies: LIDAR axes, origin at its centroid."""
         centroid = points_lidar.mean(axis=0)
         points = points_lidar - centroid
-        self._surface = Surface(points, normals_towards(points, -centroid, self._neighbours))
+        self._surface = planes_through(points, -centroid, self._neighbours)
         return RigidTransform.from_translation(centroid)
 
     def visible(self, lidar_from_own: RigidTransform) -> Surface:  # noqa: ARG002
         """All of it."""
         return self._surface
 
-    def learn(self, points_lidar: Floats, lidar_from_own: RigidTransform) -> None:
+    def learn(self, points_lidar: Floats, lidar_from_own: RigidTransform) -> bool:  # noqa: ARG002
         """Nothing is added."""
+        return False
+
+    def anchored(self, lidar_from_own: RigidTransform) -> Anchored:
+        """The first scan does not move."""
+        return 0, lidar_from_own
+
+    def released(self, anchored: Anchored) -> RigidTransform:
+        """The first scan does not move."""
+        return anchored[1]
 
     def extras(self) -> dict[str, float]:
         """One keyframe."""
@@ -115,7 +142,7 @@ def reference_for(setting: Setting, parameters: LidarParameters) -> Reference:
     if wanted == "first":
         return FirstScan(parameters.normal_neighbours)
     if wanted == "map":
-        raise NotImplementedError
+        return KeyframeMap(setting.noise, parameters.map, parameters.registration)
     if setting.model is None:
         raise ValueError("the reference is to be the target's model, and the knowledge holds none")
     surface, centroid = centred(setting.model)

@@ -10,7 +10,9 @@ from estimators.lidar_filter.registration_noise import Noise
 from scenes.arrays import Floats
 
 _RELATIVE = 1e-6  # change of overlap and of rmse at which Open3D rests
-_FLAT_M, _WIDE_M = 0.02, 0.1  # 1σ of a surface's point off its plane, and within it: the distance of points of the surface
+_FLAT_M = 0.02  # 1σ of a surface's point off its plane
+_WIDE_M = 0.3  # and within it: the wider, the freer a scan slides along
+_FREE_M, _EDGE_M = 1.0, 0.1  # the same where edges are known: elsewhere, and there
 
 
 def point_to_point(points: Floats, surface: Surface, reach_m: float, most_iterations: int) -> tuple[RigidTransform, float, bool]:
@@ -51,7 +53,8 @@ def plane_to_beam(
 
     kinds = o3d.pipelines.registration
     across = surface.normals[:, :, None] * surface.normals[:, None, :]
-    planes = _WIDE_M**2 * (np.eye(3) - across) + _FLAT_M**2 * across
+    wide = np.array([_WIDE_M]) if surface.is_edge is None else np.where(surface.is_edge, _EDGE_M, _FREE_M)
+    planes = wide[:, None, None] ** 2 * (np.eye(3) - across) + _FLAT_M**2 * across
     source = _cloud(points, covariances=noise.covariances(points + centre_lidar))
     target = _cloud(surface.points, surface.normals, planes)
     estimation = kinds.TransformationEstimationForGeneralizedICP(1e-3, kinds.TukeyLoss(robust))
@@ -71,6 +74,8 @@ def _landed(
         found = align(source, target, reach_m, np.eye(4), estimation, criteria)
     finally:
         o3d.utility.set_max_threads(threads)
+    if not np.isfinite(found.transformation).all():
+        return RigidTransform.identity(), np.nan, False
     return RigidTransform.from_matrix(found.transformation), np.nan, found.fitness > 0
 
 

@@ -12,6 +12,7 @@ from estimators.lidar_filter.answers import filter_extras, icp_extras, stated_co
 from estimators.lidar_filter.chaser import chaser_at
 from estimators.lidar_filter.clouds import Returns
 from estimators.lidar_filter.deskew import deskewed
+from estimators.lidar_filter.history import History
 from estimators.lidar_filter.measurement import PoseFilter, PoseMeasurement
 from estimators.lidar_filter.parameters import LidarParameters, suited
 from estimators.lidar_filter.reference import Reference, reference_for
@@ -41,6 +42,7 @@ class LidarEkf:
         self._reference: Reference = reference_for(self._setting, self._p)
         self._is_begun = False
         self._last: RigidTransform | None = None  # of the last registration, lidar_from_own
+        self._history = History()
         self._unused = 0  # scans in a row of which nothing was used
 
     def step(self, observation: Observation) -> Estimate:
@@ -70,7 +72,9 @@ class LidarEkf:
         watch.ends("icp")
         if isinstance(found, str):
             return self._failed(Outcome.NOT_CONVERGED, found, watch.extras)
-        self._filter.start(PoseMeasurement(then.time_s, found.lidar_from_target, stated_covariance(found, self._p)), now)
+        measured = PoseMeasurement(then.time_s, found.lidar_from_target, stated_covariance(found, self._p))
+        self._filter.start(measured, now)
+        self._history.measured(measured, self._reference.anchored(found.lidar_from_target), now)
         self._is_begun, self._last, self._unused = True, found.lidar_from_target, 0
         watch.ends("filter")
         return self._answer(now, icp_extras(found, self._reference.target_from_own) | {"predicted": 0.0}, watch)
@@ -101,7 +105,9 @@ class LidarEkf:
         if not innovation.accepted:
             return self._predicted("the registration lies farther from the prediction than both allow", now, watch, extras)
         self._last, self._unused = found.lidar_from_target, 0
-        self._reference.learn(points_lidar, self._filter.lidar_from_target(then))
+        self._history.measured(measured, self._reference.anchored(found.lidar_from_target), now)
+        if self._reference.learn(points_lidar, self._filter.lidar_from_target(then)):
+            self._history.tell(self._filter, self._reference)
         watch.ends("map")
         return self._answer(now, extras | {"predicted": 0.0}, watch)
 
@@ -109,6 +115,7 @@ class LidarEkf:
         """A scan of which nothing was used: the filter goes on alone, but not for ever."""
         self._unused += 1
         self._filter.predict(now)
+        self._history.predicted(now)
         watch.ends("filter")
         if self._unused > self._p.track.most_predictions:
             self._restart()
