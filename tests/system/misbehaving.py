@@ -4,6 +4,7 @@ import contextlib
 import ctypes
 import os
 import sys
+import threading
 import time
 
 import numpy as np
@@ -141,3 +142,28 @@ class Meddles(Constant):
             with contextlib.suppress(OSError):
                 os.write(descriptor, b"nonsense, and more of it")
         return self.answer()
+
+
+class ClosesOutputs(Constant):
+    def misbehave(self, observation: Observation) -> Estimate:
+        os.close(1)
+        os.close(2)
+        return self.answer()
+
+
+class ClosesEverything(Constant):
+    def misbehave(self, observation: Observation) -> Estimate:
+        os.closerange(0, 256)
+        return self.answer()
+
+
+class Floods(Constant):
+    """Its thread goes on printing after it has answered."""
+
+    def misbehave(self, observation: Observation) -> Estimate:
+        threading.Thread(target=self._print, daemon=True).start()
+        return self.answer()
+
+    def _print(self) -> None:
+        while True:
+            os.write(1, b"more and more\n" * 1000)

@@ -66,6 +66,9 @@ def test_answers_are_those_of_this_process_to_the_last_bit(method: str, dataset:
         ("Alien", "crashed", "step returned function, not an Estimate"),
         ("Breeds", "crashed", "its process ended with status 0"),
         ("Meddles", "crashed", "its process sent something that is no answer"),
+        ("ClosesOutputs", "ok", ""),
+        ("ClosesEverything", "crashed", "its process ended with status 1"),
+        ("Floods", "ok", ""),
     ],
 )
 def test_one_bad_frame_does_not_spoil_the_others(name: str, outcome: str, reason: str, short: Dataset, tmp_path: Path) -> None:
