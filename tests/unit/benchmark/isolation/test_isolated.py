@@ -186,8 +186,8 @@ with Isolated("misbehaving:Hangs", {}, Limits(), ()) as one:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process of its parent's death")
-def test_nothing_outlives_a_judge_that_is_killed(short: Dataset, repository: Path) -> None:
-    environment = os.environ | {"PYTHONPATH": str(repository / "tests" / "system")}
+def test_nothing_outlives_a_judge_that_is_killed(short: Dataset, repository: Path, tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONPATH": str(repository / "tests" / "system"), "TMPDIR": str(tmp_path)}
     command = [sys.executable, "-c", KILLED, str(short.path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment, text=True) as judge:
         assert judge.stdout is not None
