@@ -37,7 +37,8 @@ def bench(
     """Runs ``suite`` into ``out`` and returns its index, which is also written there as results.json.
 
     ``stages`` opens the progress of one stage by its title. Data sets already in ``out`` are reused where their digest
-    fits, else refused; answers and scores are always made anew. ``workers`` processes render, then answer, an entry each.
+    fits, else refused; answers are kept that would come out the same, scores are made anew. ``workers`` processes render, then
+    answer, an entry each.
     Every method runs in a process of its own, within the suite's limits; ``in_process`` runs them here, to be debugged. One that
     crashes, hangs or cannot be loaded has failed in the frames concerned. Raises ``UsageError`` for a method that nobody knows.
     """
@@ -117,6 +118,7 @@ def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, lim
                 settle_s=case.settle_s,
                 folder=out / _ENTRIES / run.name / (feature or lidar or "all") / title,
                 limits=limits,
+                reuse=limits is not None,
             )
 
 

@@ -22,7 +22,8 @@ Stages = Callable[[str], AbstractContextManager[Progress | None]]
 class Task:
     """What makes one entry. ``feature`` or ``lidar`` says what is asked for; ``folder`` takes answers and scores.
 
-    The method runs in a process of its own within ``limits``; where these are None, in the one that makes the entry.
+    The method runs in a process of its own within ``limits``; where these are None, in the one that makes the entry. With
+    ``reuse`` answers are kept that are there already and would come out the same.
     """
 
     run: CaseRun
@@ -36,6 +37,7 @@ class Task:
     settle_s: float
     folder: Path
     limits: Limits | None
+    reuse: bool = True
 
     @property
     def name(self) -> str:
@@ -96,6 +98,7 @@ def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
         progress=progress,
         limits=task.limits,
         forgiving=True,
+        reuse=task.reuse,
     )
     judge.write(task.folder, judge.judge(given, dataset, task.settle_s))
 

@@ -96,7 +96,7 @@ class MachineRecord(Spec):
 class RunRecord(Spec):
     """run.json. An outside method needs ``format``, ``version``, ``method`` and ``dataset_identity``; the rest is optional.
 
-    ``notes`` is free for whatever an outside method wants to keep.
+    ``method_source``: digest of the sources that made the answers. ``notes`` is free for whatever an outside method wants to keep.
     """
 
     format: Literal["hardlight-predictions"]
@@ -105,6 +105,7 @@ class RunRecord(Spec):
     dataset_identity: Annotated[str, Field(min_length=1)]
     label: str = ""
     method_version: str = ""
+    method_source: str = ""
     parameters: Annotated[dict[str, Any], AfterValidator(_plain)] = Field(default_factory=dict)
     knowledge: KnowledgeRecord | None = None
     start_cpu_s: NonNegative | None = None

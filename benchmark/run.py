@@ -41,8 +41,11 @@ def estimate(
     progress: Progress | None = None,
     limits: Limits | None = Limits(),  # noqa: B008 - frozen
     forgiving: bool = False,
+    reuse: bool = False,
 ) -> Predictions:
     """Runs the registered ``method`` over ``dataset`` and writes its answers to ``out``.
+
+    With ``reuse`` answers are kept that the same sources gave to the same data set with the same parameters and knowledge.
 
     It runs in a process of its own within ``limits``; where these are None, in this one. With ``forgiving`` a method that cannot
     be loaded has crashed in every frame; without, that raises ``UsageError``. Raises ``ResultsConflict`` where ``out`` already
@@ -54,12 +57,15 @@ def estimate(
         method=method,
         label=label,
         method_version=methods.version(method),
+        method_source=methods.source_digest(method),
         parameters=dict(parameters),
         dataset_identity=dataset.identity,
         knowledge=declaration.record,
         machine=this_machine(),
     )
     refuse_to_mix(out, record)
+    if reuse and _is_answered(out, record) and not could_not_start(kept := predictions.read(out)):
+        return kept
     with _where_it_runs(method, parameters, dataset, limits) as one:
         answers = _answered(one, dataset, declaration.knowledge, record, progress, forgiving)
     predictions.write(out, answers)
@@ -88,6 +94,15 @@ def reasons_of_failure(answers: Predictions) -> list[str]:
     if answers.extras is None or (answers.table["outcome"] == Outcome.OK.value).any():
         return []
     return [reason for reason in answers.extras["reason"].unique().tolist() if reason]
+
+
+def _is_answered(out: Path, record: RunRecord) -> bool:
+    """Whether ``out`` holds what a run would write there again, but for the times."""
+    if not record.method_source or not (out / predictions.RECORD).exists() or not (out / predictions.TABLE).exists():
+        return False
+    there = predictions.read_record(out)
+    same = ("method", "label", "method_version", "method_source", "parameters", "dataset_identity", "knowledge")
+    return all(getattr(there, name) == getattr(record, name) for name in same)
 
 
 @contextmanager

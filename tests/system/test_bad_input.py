@@ -263,7 +263,7 @@ estimate_case("method whose class is not there", r"module 'json' has no 'Estimat
 estimate_case("method that is no estimator", r"has no start and step|is not a class|refuses", "json:JSONDecoder", *WING)
 estimate_case("unknown parameter", r"refuses fliter=True: fliter: ", OURS, *WING, "--set", "fliter=true")
 estimate_case("impossible parameter", r"min_support: .*less than or equal to 1", OURS, *WING, "--set", "min_support=2")
-estimate_case("nested parameter", r"a method's parameter has one name without dots", OURS, *WING, "--set", "a.b=1")
+estimate_case("parameter and group", r"'a' was given a value of its own before", OURS, *WING, "--set", "a=1", "--set", "a.b=1")
 estimate_case("unknown feature", r"no feature is called 'wnig'; did you mean 'wing'\?", OURS, "--feature", "wnig")
 estimate_case("no feature named", r"choose one with --feature: face, wing, span", OURS)
 estimate_case(
