@@ -42,6 +42,9 @@ class PaperLidarEkf:
         returns = self._setting.returns(observation)
         if isinstance(returns, str):
             return self._failed(Outcome.SKIPPED, returns, {})
+        fault = "" if self._last is None else self._filter.is_sound()
+        if fault:  # the paper knows no way back
+            return self._failed(Outcome.DIVERGED, fault, {})
         watch, (now, then) = Stopwatch(), self._setting.chaser(observation)
         if len(returns) < self.parameters.registration.least_points:
             reason = f"{len(returns)} beams came back"
@@ -99,7 +102,7 @@ class PaperLidarEkf:
         return self._answer(now, {"predicted": 1.0}, watch)
 
     def _answer(self, now: ChaserState, extras: dict[str, float], watch: Stopwatch) -> Estimate:
-        """The filter's pose now. Once the filter has broken, it stays broken: the paper has no way back."""
+        """The filter's pose now."""
         named = extras | self._reference.extras() | watch.extras
         named |= {name: 1.0 for name in ("infeasible_guess",) if self._filter.guess_fault()}
         fault = self._filter.is_sound()
