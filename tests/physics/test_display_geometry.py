@@ -34,8 +34,8 @@ from scenes.scenario import Scenario, realize
 @pytest.mark.parametrize("axis", ["y", "z"])
 def test_smooth_corners_are_where_the_virtual_targets_would_be(axis: str):
     case = plate(axis, -38.5, **SMOOTH)
-    misses = []
-    for frame, photo in enumerate(photographs(case, list(range(12)))):
+    frames, misses = [0, 1, 3, 5, 8, 11], []
+    for frame, photo in zip(frames, photographs(case, frames)):
         truth = true_corners(case, frame)
         misses.append(fit_corners(through_lens(photo), truth) - truth)
     off = np.linalg.norm(misses, axis=-1)
