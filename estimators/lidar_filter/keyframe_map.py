@@ -5,17 +5,19 @@ leaves is registered to every other that was seen from near its direction, also 
 together. So an error that grew on the way round goes when the way closes.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from estimators.lidar_filter.clouds import Surface, thinned
-from estimators.lidar_filter.edges import with_edges
+from estimators.lidar_filter.edges import lopsided, with_edges
 from estimators.lidar_filter.keyframe import Keyframe
 from estimators.lidar_filter.keyframe_links import linked
 from estimators.lidar_filter.parameters import MapParameters, RegistrationParameters
 from estimators.lidar_filter.pose_graph import Link, settled
 from estimators.lidar_filter.registration_noise import Noise
-from scenes.arrays import Floats
+from scenes.arrays import Bools, Floats
 
 Anchored = tuple[int, RigidTransform]
 
@@ -31,6 +33,8 @@ class KeyframeMap:
         self._beside: list[set[int]] = []  # of each keyframe, those whose pose against it is known
         self._current = 0
         self._points = 0
+        self._parts: Sequence[object] = ()  # what ``_kept`` was made of
+        self._kept = Surface(np.zeros((0, 3)), np.zeros((0, 3))), np.zeros(0, dtype=np.bool_)
 
     @property
     def target_from_own(self) -> RigidTransform:
@@ -48,12 +52,19 @@ class KeyframeMap:
         """The keyframes beside the present one that are seen from about the same direction, one point a voxel, own frame."""
         p = self._parameters
         near = [number for number, angle in self._by_angle(lidar_from_own)[: p.used] if angle <= np.deg2rad(p.used_deg)]
-        chosen = [self.keyframes[number] for number in near or [self._current]]
-        surfaces = [one.surface_key.moved(one.own_from_key) for one in chosen]
-        whole = Surface(np.concatenate([one.points for one in surfaces]), np.concatenate([one.normals for one in surfaces]))
-        surface = with_edges(thinned(whole, p.voxel_m), lidar_from_own)
+        surface, ends = self._together([self.keyframes[number] for number in near or [self._current]])
         self._points = len(surface)
-        return surface
+        return with_edges(surface, lidar_from_own, ends)
+
+    def _together(self, chosen: list[Keyframe]) -> tuple[Surface, Bools]:
+        """Keyframes as one surface with its ends, own frame. It is kept, as it stays the same in most scans."""
+        parts = [part for one in chosen for part in (one.surface_key, one.own_from_key)]
+        if len(parts) != len(self._parts) or any(one is not other for one, other in zip(parts, self._parts)):
+            surfaces = [one.surface_key.moved(one.own_from_key) for one in chosen]
+            whole = Surface(np.concatenate([one.points for one in surfaces]), np.concatenate([one.normals for one in surfaces]))
+            surface = thinned(whole, self._parameters.voxel_m)
+            self._parts, self._kept = parts, (surface, lopsided(surface))
+        return self._kept
 
     def learn(self, points_lidar: Floats, lidar_from_own: RigidTransform) -> bool:
         """Adds the scan to the keyframe seen from nearest by, or makes a new one; says whether poses were settled anew."""

@@ -51,10 +51,10 @@ class AcquisitionParameters(Spec):
 class MapParameters(Spec):
     """A map of keyframes."""
 
-    apart_deg: Positive = 6.0  # between the directions that keyframes are seen from
+    apart_deg: Positive = 10.0  # between the directions that keyframes are seen from
     cell_m: Positive = 0.1  # width of the columns in which the returns of a keyframe are averaged
     neighbours: Annotated[int, Field(ge=3)] = 12  # of a point, whose plane gives its normal
-    most_scans: Count = 100  # that a keyframe takes in
+    most_scans: Count = 6  # that a keyframe takes in
     used_deg: Positive = 40.0  # keyframes seen from directions within this of the present one are registered to …
     used: Count = 6  # … but no more than so many, the nearest
     voxel_m: Positive = 0.04  # of which they keep one point
