@@ -118,8 +118,9 @@ class LidarEkf:
         self._history.predicted(now)
         watch.ends("filter")
         if self._unused > self._p.track.most_predictions:
+            failed = self._failed(Outcome.DIVERGED, f"nothing was used of {self._unused} scans: {reason}", watch.extras)
             self._restart()
-            return self._failed(Outcome.DIVERGED, f"nothing was used of {self._unused} scans: {reason}", watch.extras)
+            return failed
         return self._answer(now, (extras or {}) | {"predicted": 1.0}, watch)
 
     def _answer(self, now: ChaserState, extras: dict[str, float], watch: Stopwatch) -> Estimate:
