@@ -11,6 +11,7 @@ from scenes.arrays import Bools, Floats
 from scenes.recording import LidarModel, Scan
 
 Indices = NDArray[np.intp]
+_ALL = slice(None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,10 +94,10 @@ def nearest_in(tree: cKDTree, points: Floats) -> tuple[Floats, Indices]:
     return np.asarray(distance, dtype=np.float64), np.asarray(number, dtype=np.intp)
 
 
-def neighbours_of(points: Floats, count: int) -> tuple[Floats, Indices]:
-    """Distance and number (n, k) of the nearest ``count`` of the points (n, d) to each of them, the point itself first."""
+def neighbours_of(points: Floats, count: int, of: Bools | slice = _ALL) -> tuple[Floats, Indices]:
+    """Distance and number (m, k) of the nearest ``count`` of the points (n, d) to those that ``of`` chooses, itself first."""
     k = min(count, len(points))
-    distance, number = cKDTree(points).query(points, k=k)
+    distance, number = cKDTree(points).query(points[of], k=k)
     return np.asarray(distance, dtype=np.float64).reshape(-1, k), np.asarray(number, dtype=np.intp).reshape(-1, k)
 
 

@@ -56,7 +56,7 @@ def settled(own_from_keys: Sequence[RigidTransform], links: Sequence[Link], beli
 
 
 def information_of(covariance: Floats, onto_from_of: RigidTransform) -> Floats:
-    """Information (6, 6) of a link from its registration's covariance: rotation vector in axes of ``of``, its origin in ``onto``."""
+    """Information (6, 6) of a link from its covariance: rotation vector in axes of ``of``, its origin in ``onto``."""
     turn = np.eye(6)
     turn[3:, 3:] = onto_from_of.rotation.as_matrix().T
     return np.asarray(np.linalg.inv(turn @ covariance @ turn.T))
