@@ -63,7 +63,7 @@ def _refuse_blind(scenario: Scenario, name: str, tried: dict[int, Sounding]) -> 
             "deg from the axis; look at pattern, mount and the motion's position"
         )
     if all(_only_beyond_gate(one) for one in tried.values()):
-        nearest_m = min(float(np.nanmin(one.beams["range_m"])) for one in tried.values())
+        nearest_m = np.nanmin([np.nanmin(one.beams["range_m"], initial=np.inf) for one in tried.values()])
         raise UsageError(
             f"lidars.{name}.gate_m: all that beams meet in the {len(tried)} frames looked at lies outside of the gate, "
             f"{lidar.gate_m[0]:g} to {lidar.gate_m[1]:g} m; the nearest of it is {nearest_m:.4g} m away"
@@ -77,7 +77,7 @@ def _off_axis(lidar_from_target: RigidTransform) -> str:
 
 def _only_beyond_gate(one: Sounding) -> bool:
     counts = _counts(one)
-    return bool(counts[BeamFate.GATED] > 0 and counts[BeamFate.GATED] + counts[BeamFate.NOTHING] == counts.sum())
+    return bool(counts[BeamFate.GATED] + counts[BeamFate.NOTHING] == counts.sum())
 
 
 def _warnings(name: str, tried: dict[int, Sounding]) -> Iterator[str]:

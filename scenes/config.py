@@ -9,11 +9,12 @@ from pydantic import BaseModel, ValidationError
 
 from scenes.config_faults import sentences
 from scenes.config_files import LIBRARY, folder_of, library_names, locate, read_toml
-from scenes.config_references import Resolver
+from scenes.config_references import BASE, Resolver
 from scenes.config_tree import Source, Table, assigned
 from scenes.errors import ConfigError, UsageError
 
 Model = TypeVar("Model", bound=BaseModel)
+_SET = "--set"  # as the source of keys
 
 
 def load(
@@ -69,10 +70,23 @@ def _overridden(tree: Table, overrides: Iterable[str], resolver: Resolver) -> tu
     for text in overrides:
         try:
             keys, value = parse_override(text)
-            tree = resolver.resolve(assigned(tree, keys, value, Source("--set", Path(), None)), tree.origin)
+            _refuse_late_base(tree, keys, value)
+            tree = resolver.resolve(assigned(tree, keys, value, Source(_SET, Path(), None)), tree.origin)
         except UsageError as error:
             faults.append(str(error) if str(error).startswith("--set") else f"--set {text!r}: {error}")
     return tree, faults
+
+
+def _refuse_late_base(tree: Table, keys: list[str], value: Any) -> None:
+    """Raises ``UsageError`` where ``base`` is set of a table that files have filled: all of its keys would hide the new base's."""
+    node: Any = tree
+    for key in keys[:-1]:
+        entries = dict(zip(map(str, range(len(node))), node)) if isinstance(node, tuple) else node
+        node = entries.get(key) if isinstance(entries, dict) else None
+    if keys[-1] == BASE and isinstance(node, Table) and any(source.label != _SET for source in node.sources.values()):
+        path = ".".join(keys[:-1])
+        other = f"to take another entry, write --set {path}={value}" if path else "name another entry instead"
+        raise UsageError(f"what its base says is read already; {other}")
 
 
 def _validated(tree: Table, model: type[Model], faults: list[str], resolver: Resolver) -> Model:

@@ -71,8 +71,13 @@ def sentences(error: ValidationError, model: type[BaseModel], tree: Table, resol
 
 
 def _is_told(fault: _Fault, faults: list[_Fault]) -> bool:
-    """Of the branches of a union, those that do not even fit the value's kind say nothing if another one does."""
+    """Of the branches of a union, those that do not even fit the value's kind say nothing if another one does.
+
+    Nor does a list whose entries have faults: pydantic leaves them out and then counts too few.
+    """
     depth = len(fault.path)
+    if fault.error["type"] == "too_short" and any(other.path[:depth] == fault.path != other.path for other in faults):
+        return False
     return not fault.is_mismatch or all(other.is_mismatch for other in faults if other.path[:depth] == fault.path)
 
 

@@ -14,6 +14,7 @@ from scenes.quaternion import Quaternion
 from scenes.spec import NonNegative, Positive, Spec, Vector3
 
 _PRINTED_RATE_RAD_S = 0.0011  # of the paper, its θ̇₀: 2 % above the mean motion of its own orbit
+_MOST_TURN_RAD = 0.1  # in a step: after 100 rad the integrated attitude is then off by about 1e-5 rad
 
 
 class StateAtStart(Spec):
@@ -82,17 +83,28 @@ class TumbleInOrbit(Spec):
         return self
 
     @model_validator(mode="after")
+    def _steps_are_fine_enough(self) -> "TumbleInOrbit":
+        turned = math.hypot(*self.omega_body_rad_s) * self.step_s
+        if turned > _MOST_TURN_RAD:
+            raise ValueError(
+                f"step_s {self.step_s:g}: omega_body_rad_s turns the target by {turned:.3g} rad in a step, at most "
+                f"{_MOST_TURN_RAD:g} can be integrated; a step_s of {_MOST_TURN_RAD * self.step_s / turned:.2g} or less will do"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _stays_in_orbit(self) -> "TumbleInOrbit":
         """A start below the ground has no velocity that mends it, so position and velocity are named together."""
         radius, (position, velocity) = math.hypot(*self.target_position_m), self.target_orbit
         if radius < EARTH_EQUATOR_M:
             raise ValueError(f"target_position_m lies {radius / 1e3:.0f} km from the Earth's centre: inside of the Earth")
         e, a = eccentricity(position, velocity), semi_major_axis_m(position, velocity)
-        if not 0 <= e < 1 or a <= 0:
+        if a <= 0:
             raise ValueError(f"target_velocity_m_s is {math.hypot(*velocity):.0f} m/s: the target leaves the Earth (e = {e:.3f})")
         if a * (1 - e) < EARTH_EQUATOR_M:
+            lowest_m = max(a * (1 - e), 0.0)
             raise ValueError(
-                f"target_velocity_m_s lets the target fall to {a * (1 - e) / 1e3:.0f} km from the Earth's centre: into the Earth"
+                f"target_velocity_m_s lets the target fall to {lowest_m / 1e3:.0f} km from the Earth's centre: into the Earth"
             )
         return self
 

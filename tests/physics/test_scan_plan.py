@@ -51,11 +51,16 @@ def test_a_gate_that_leaves_everything_out_is_refused_by_name():
         plan(_case(gate_m=(1.0, 10.0)), ALL)
 
 
+def test_a_gate_that_leaves_out_what_only_some_scans_meet_is_refused_too():
+    passing = still(20.0) | {"position_m": (-1.5, 0.0, 20.0), "velocity_m_s": (0.4, 0.0, 0.0)}  # in the field from 2.1 to 5.4 s
+    assert "a scan has no return in 5 of 8 frames" in plan(_case(passing), ALL).warnings[0]
+    with pytest.raises(UsageError, match=r"lidars\.lidar\.gate_m: .* 1 to 10 m; the nearest of it is 19\.5 m away"):
+        plan(_case(passing, gate_m=(1.0, 10.0)), ALL)
+
+
 def test_one_frame_that_misses_may_be_meant_and_is_said():
     missed = plan(_case(still(-20.0)), range(1))
-    assert missed.warnings == (
-        "lidars.lidar: a scan has no return in 1 of 1 frames looked at (0); no beam meets the target",
-    )
+    assert missed.warnings == ("lidars.lidar: a scan has no return in 1 of 1 frames looked at (0); no beam meets the target",)
 
 
 def test_scans_that_stay_empty_are_said_with_the_reason():

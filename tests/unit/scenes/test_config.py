@@ -54,6 +54,10 @@ class Telescope(Spec):
     extra: dict[str, Any] = Field(default_factory=dict)
 
 
+class Hall(Spec):
+    parts: Annotated[tuple[Lens, ...], Field(min_length=1)]
+
+
 REFERENCES = {"elements.*": "cameras", "finder": "cameras"}
 
 
@@ -100,6 +104,15 @@ class TestBadInput:
         with pytest.raises(ConfigError) as caught:
             load_scenario(str(tmp_path / "scenario.toml"), wrong)
         assert len(caught.value.faults) == len(wrong)
+
+    def test_a_list_with_a_bad_entry_is_not_called_too_short(self, tmp_path):
+        (tmp_path / "my.toml").write_text('parts = [{ focal_m = "1" }]')
+        with pytest.raises(ConfigError) as caught:
+            load("target", str(tmp_path / "my.toml"), Hall)
+        assert caught.value.faults == (f"{tmp_path}/my.toml: parts.0.focal_m: got '1' (a string), must be a number",)
+        (tmp_path / "my.toml").write_text("parts = []")
+        with pytest.raises(ConfigError, match=r"parts: got \[\], must have at least 1 entries"):
+            load("target", str(tmp_path / "my.toml"), Hall)
 
     def test_a_union_that_is_told_apart_by_a_function(self, library):
         assert telescope(library, "newton", ["guide={focal_m=1.0}"]).guide == Lens(focal_m=1.0)
@@ -235,6 +248,19 @@ class TestOverrides:
         )
         assert done.elements[1].blades == 8
         assert done.elements[0].tilt_deg == (0.0, 0.5)
+
+    def test_a_base_that_would_say_nothing_is_refused(self, library, tmp_path):
+        (tmp_path / "my.toml").write_text('finder = "big-lens"')
+        for where, key in [(tmp_path / "my.toml", "finder"), ("newton", "elements.1")]:
+            with pytest.raises(ConfigError) as caught:
+                telescope(library, where, [f"{key}.base=tilted-mirror"])
+            assert caught.value.faults == (
+                f"--set '{key}.base=tilted-mirror': what its base says is read already; "
+                f"to take another entry, write --set {key}=tilted-mirror",
+            )
+        (tmp_path / "my.toml").write_text('name = "bare"')
+        for order in [("finder.base=big-lens", "finder.blades=3"), ("finder.blades=3", "finder.base=big-lens")]:
+            assert telescope(library, tmp_path / "my.toml", order).finder == Lens(focal_m=2.0, blades=3)
 
     def test_the_tree_before_is_not_changed(self):
         source = Source("x", Path(), None)

@@ -33,7 +33,11 @@ def _scenario(motion, mass=MASS) -> Scenario:
             r"target_velocity_m_s is 11000 m/s: the target leaves the Earth \(e = 1\.1",
         ),
         ({"target_velocity_m_s": (0.0, 7_000.0, 0.0)}, "lets the target fall to 5283 km from the Earth's centre: into the Earth"),
-        ({"target_velocity_m_s": (0.0, 0.0, 0.0)}, "the target leaves the Earth|into the Earth"),
+        ({"target_velocity_m_s": (0.0, 0.0, 0.0)}, "lets the target fall to 0 km from the Earth's centre: into the Earth"),
+        (
+            {"omega_body_rad_s": (0.0, 3.0, -4.0)},
+            "step_s 0.1: omega_body_rad_s turns the target by 0.5 rad in a step, at most 0.1 .* step_s of 0.02 or less will do",
+        ),
         ({"noise_hold_s": 0.25}, "noise_hold_s 0.25 must be a whole multiple of step_s 0.1"),
         ({"noise_hold_s": 0.05}, "noise_hold_s 0.05 must be a whole multiple of step_s 0.1"),
         ({"relative": {"type": "state", "position_m": (0, 0, 0)}}, "puts the chaser into the target's centre of mass"),
