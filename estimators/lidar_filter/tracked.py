@@ -36,6 +36,12 @@ class LidarEkf:
         self._setting: Setting = setting_from(knowledge)
         self._p = suited(self.parameters, self._setting.lidar.range_sigma_m)
         self._filter: PoseFilter = TumbleFilter(self._setting.lidar.chaser_from_lidar, self._p.filter)
+        self._is_lost = False
+        self._restart()
+
+    def _give_up(self) -> None:
+        """Begins anew against a model. Without one the frame of the method's own is lost with the target, for good."""
+        self._is_lost = self._p.reference in ("map", "first") or self._setting.model is None
         self._restart()
 
     def _restart(self) -> None:
@@ -50,6 +56,8 @@ class LidarEkf:
         returns = self._setting.returns(observation)
         if isinstance(returns, str):
             return self._failed(Outcome.SKIPPED, returns, {})
+        if self._is_lost:
+            return self._failed(Outcome.DIVERGED, "the target was lost, and with it the frame of this method's own", {})
         watch = Stopwatch()
         now, then = self._setting.chaser(observation)
         if not self._is_begun:
@@ -119,7 +127,7 @@ class LidarEkf:
         watch.ends("filter")
         if self._unused > self._p.track.most_predictions:
             failed = self._failed(Outcome.DIVERGED, f"nothing was used of {self._unused} scans: {reason}", watch.extras)
-            self._restart()
+            self._give_up()
             return failed
         return self._answer(now, (extras or {}) | {"predicted": 1.0}, watch)
 
@@ -130,7 +138,7 @@ class LidarEkf:
         known = {} if fault else filter_extras(self._filter.extras(), target_from_own)
         named = known | extras | self._reference.extras() | watch.extras
         if fault:
-            self._restart()
+            self._give_up()
             return self._failed(Outcome.DIVERGED, fault, named)
         pose = self._filter.lidar_from_target(now) * target_from_own.inv()
         return Estimate(self._setting.name, Outcome.OK, pose.rotation, pose.translation, extras=named)

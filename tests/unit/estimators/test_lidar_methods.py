@@ -94,6 +94,12 @@ def test_too_many_empty_scans_end_in_no_answer_until_the_target_is_seen_again() 
     assert off(given[13], 13)[0] < 3.0
 
 
+def test_a_frame_of_its_own_that_was_lost_is_not_replaced_by_another() -> None:
+    method = LidarEkf(track={"most_predictions": 2})
+    given = answers(method, told(), (*scans()[:3], *[nothing()] * 4, *scans()[7:9]))
+    assert [answer.outcome for answer in given[3:]] == [Outcome.OK] * 2 + [Outcome.DIVERGED] * 4
+
+
 @pytest.mark.parametrize("method", [LidarEkf, PaperLidarEkf])
 def test_a_first_scan_without_returns_has_no_features(method: Any) -> None:
     (answer,) = answers(method(), told(model_cloud()), (nothing(),))
