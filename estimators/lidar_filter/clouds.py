@@ -35,7 +35,7 @@ class Surface:
 
     def moved(self, a_from_b: RigidTransform) -> "Surface":
         """The same surface in frame a, given in frame b."""
-        return Surface(a_from_b.apply(self.points), a_from_b.rotation.apply(self.normals), self.is_edge)
+        return Surface(a_from_b.apply(self.points), self.normals @ a_from_b.rotation.as_matrix().T, self.is_edge)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
