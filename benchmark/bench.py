@@ -48,7 +48,7 @@ def bench(
     for case, run in runs:
         path = out / _DATASETS / run.name
         _render(suite, case, run, path, workers, quality, stages)
-        tasks += _tasks(suite, case, run, path, out, None if in_process else suite.limits)
+        tasks += _tasks(suite, case, run, path, out, None if in_process else case.limits or suite.limits)
     if workers == 1:
         done_here(tasks, stages)
     else:
@@ -114,7 +114,7 @@ def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, lim
                 lidar=lidar,
                 title=title,
                 method=method,
-                sigma_px=suite.prior_sigma_px,
+                sigma_px=suite.prior_sigma_px if case.prior_sigma_px is None else case.prior_sigma_px,
                 settle_s=case.settle_s,
                 folder=out / _ENTRIES / run.name / (feature or lidar or "all") / title,
                 limits=limits,

@@ -5,6 +5,7 @@ from typing import Annotated
 
 from pydantic import Field, StringConstraints, model_validator
 
+from benchmark.limits import Limits
 from scenes.dataset_range import parse_frames
 from scenes.errors import UsageError, unknown
 from scenes.features import CircleFeature, Feature, MarkerFeature
@@ -29,9 +30,9 @@ class Case(Spec):
     """One data set: a scenario and its frames; which features are asked for and by which methods (none named: all).
 
     The frames of the first ``settle_s`` seconds are answered but not judged: a filter needs time that a frame-by-frame
-    method does not. ``quality`` goes before the suite's own. A circle is measured by the stereo rig ``rig``, which needs no name
-    where the scenario has one. Instead of features a case may ask for what ``lidar`` measures, which needs no name where the
-    scenario has nothing else. ``seeds``, a list or how many from 0, makes a data set of each.
+    method does not. ``quality``, ``prior_sigma_px`` and ``limits`` go before the suite's own. A circle is measured by the stereo
+    rig ``rig``, which needs no name where the scenario has one. Instead of features a case may ask for what ``lidar`` measures,
+    which needs no name where the scenario has nothing else. ``seeds``, a list or how many from 0, makes a data set of each.
     """
 
     name: Name
@@ -42,6 +43,8 @@ class Case(Spec):
     seeds: tuple[Seed, ...] | SeedCount = ()
     settle_s: NonNegative = 0.0
     quality: Quality | None = None
+    prior_sigma_px: NonNegative | None = None
+    limits: Limits | None = None
     rig: str | None = None
     lidar: str | None = None
     features: tuple[str, ...] = ()

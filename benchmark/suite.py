@@ -1,14 +1,18 @@
 """A suite: which methods meet which scenarios, on which frames and features, and what they are told. Data, no logic."""
 
+import re
 from collections import Counter
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
 
 from benchmark.case import Case, CaseRun, Name
 from benchmark.limits import Limits
 from benchmark.published import Published, PublishedFilter, PublishedRing
+from benchmark.suite_include import merged
 from scenes.config import load
+from scenes.config_tree import Table
 from scenes.errors import unknown
 from scenes.scenario import MATERIAL_REFERENCES, REFERENCES, Quality
 from scenes.spec import NonNegative, Spec
@@ -16,7 +20,11 @@ from scenes.spec import NonNegative, Spec
 __all__ = ["Case", "CaseRun", "Method", "Note", "Published", "PublishedFilter", "PublishedRing", "Suite", "load_suite"]
 
 _SCENARIO = "cases.*.scenario"
-_REFERENCES = {_SCENARIO: "scenario"} | {f"{_SCENARIO}.{path}": kind for path, kind in (REFERENCES | MATERIAL_REFERENCES).items()}
+_INCLUDE, _DEPTH = "include.*", 3  # suites that include suites that include suites
+_IN_SUITES = {_INCLUDE: "suite", _SCENARIO: "scenario"} | {
+    f"{_SCENARIO}.{path}": kind for path, kind in (REFERENCES | MATERIAL_REFERENCES).items()
+}
+_REFERENCES = {".".join([_INCLUDE] * level + [path]): kind for level in range(_DEPTH + 1) for path, kind in _IN_SUITES.items()}
 
 
 class Method(Spec):
@@ -40,24 +48,49 @@ class Note(Spec):
 
 
 class Suite(Spec):
-    """A leaderboard's rules. ``limits``: what a method may cost on one data set before it is stopped."""
+    """A leaderboard's rules. ``limits``: what a method may cost on one data set before it is stopped.
+
+    ``include`` names other suites, whose methods, cases, published figures and notes come before its own; each of their cases keeps
+    its suite's quality, prior and limits. It is empty in what is validated: what was included is there (``suite_include``).
+    """
 
     title: str
     description: str
+    include: tuple["Suite", ...] = ()
     prior_sigma_px: NonNegative = 3.0
     quality: Quality | None = None
     limits: Limits = Limits()
-    methods: Annotated[dict[Name, Method], Field(min_length=1)]
-    cases: tuple[Case, ...]
+    methods: dict[Name, Method] = Field(default_factory=dict)
+    cases: tuple[Case, ...] = ()
     published: tuple[Published, ...] = ()
     published_rings: tuple[PublishedRing, ...] = ()
     published_filters: tuple[PublishedFilter, ...] = ()
     notes: tuple[Note, ...] = ()
+    _name: str = PrivateAttr("suite")
+
+    @property
+    def name(self) -> str:
+        """The name of the suite's file, in letters that a case's name may have."""
+        return self._name
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _called_after_its_file(cls, value: Any, handler: ModelWrapValidatorHandler["Suite"]) -> "Suite":
+        suite = handler(value)
+        if isinstance(value, Table):
+            suite._name = re.sub("[^a-z0-9]+", "-", Path(value.origin.label).stem.lower()).strip("-") or "suite"
+        return suite
+
+    @model_validator(mode="after")
+    def _with_what_it_includes(self) -> "Suite":
+        return merged(self) if self.include else self
 
     @model_validator(mode="after")
     def _names_refer_to_something(self) -> "Suite":
+        if not self.methods:
+            raise ValueError("a suite has at least one [methods.<name>], or includes a suite")
         if not self.cases:
-            raise ValueError("a suite has at least one [[cases]]")
+            raise ValueError("a suite has at least one [[cases]], or includes a suite")
         names = [case.name for case in self.cases]
         of_seeds = [run.name for case in self.cases if case.seeds for run in case.runs]
         for name, count in Counter(names + of_seeds).items():
