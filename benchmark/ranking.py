@@ -1,0 +1,61 @@
+"""Who is better, and whether that is sure: rankings of methods by one published rule, from every judged frame.
+
+The rule's numbers stand in ``benchmark.ranking_rule``, the bootstrap in ``benchmark.ranking_bootstrap``.
+"""
+
+from pathlib import Path
+from typing import get_args
+
+import pandas as pd
+from pydantic import ValidationError
+
+from benchmark.errors import PredictionsError
+from benchmark.files import publish
+from benchmark.pool import TRACK, Modality
+from benchmark.ranking_division import division
+from benchmark.ranking_record import Difference, Division, Estimate, Ranking, Rule, Standing
+from benchmark.ranking_rule import charges
+
+__all__ = ["FILE", "Difference", "Division", "Estimate", "Ranking", "Rule", "Standing", "charges", "ranking", "read", "write"]
+
+FILE = "ranking.json"
+
+
+def ranking(frames: pd.DataFrame) -> Ranking:
+    """Ranks the methods of ``frames``, rows of ``benchmark.pool.pool`` in any order, by their titles.
+
+    Only methods that answered the same pictures are compared: a division is all tracks of a modality that the same set of methods
+    answered. The same rows give the same bits.
+    """
+    kinds = get_args(Modality)
+    divisions = [division(part) for part in _parts(frames)]
+    methods = {id(one): sorted(standing.method for standing in one.methods) for one in divisions}
+    divisions.sort(key=lambda one: (kinds.index(one.modality), -one.frames, methods[id(one)]))
+    return Ranking(divisions=tuple(divisions))
+
+
+def _parts(frames: pd.DataFrame) -> list[pd.DataFrame]:
+    """The rows of each division."""
+    if frames.empty:
+        return []
+    track = ["modality", *TRACK]
+    answering = frames[[*track, "method"]].drop_duplicates().groupby(track)["method"].agg(lambda names: repr(sorted(names)))
+    named = frames.join(answering.rename("_methods"), on=track)
+    return [part for _, part in named.groupby(["modality", "_methods"])]
+
+
+def write(folder: Path, found: Ranking) -> None:
+    """Writes ranking.json."""
+    publish(folder, {FILE: (found.model_dump_json(indent=2) + "\n").encode()})
+
+
+def read(folder: Path) -> Ranking:
+    """The ranking in ``folder``. Raises ``PredictionsError`` where there is none or it is not one."""
+    path = folder / FILE
+    try:
+        return Ranking.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        raise PredictionsError(f"{folder} holds no {FILE}; run hardlight bench or judge again") from None
+    except ValidationError as error:
+        fault = error.errors()[0]
+        raise PredictionsError(f"{path} is damaged: {'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}") from error

@@ -1,0 +1,78 @@
+"""The frames of one division side by side: of every quantity a table with a row per frame and a column per method."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from benchmark.errors import PredictionsError
+from benchmark.pool import TRACK, Modality
+from benchmark.ranking_bootstrap import SHORTEST, Track
+from benchmark.ranking_rule import charges, unanswered
+from scenes.arrays import Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """``values``: (frames, methods) of each quantity, track by track as ``tracks`` tells, those too short for blocks last.
+
+    ``charge``, ``answered``, ``wrong``, ``timed`` (1 or 0), ``cpu_ms`` (0 where not timed), and the errors ``rotation_deg``,
+    ``position_m`` and ``position_share`` (of the range), infinite where there is none.
+    """
+
+    modality: Modality
+    methods: tuple[str, ...]
+    tracks: tuple[Track, ...]
+    values: Mapping[str, Floats]
+
+    @property
+    def frames(self) -> int:
+        """How many there are, of all tracks."""
+        return sum(track.frames for track in self.tracks)
+
+
+def table_of(frames: pd.DataFrame) -> Table:
+    """Arranges rows of ``benchmark.pool.pool`` of one modality; their order makes no difference.
+
+    A frame that a method says nothing of is one without an answer. Raises ``PredictionsError`` where it says two things.
+    """
+    modality: Modality = frames["modality"].iloc[0]
+    absent = {"charge": unanswered(modality), "rotation_deg": np.inf, "position_m": np.inf, "position_share": np.inf}
+    quantities = _quantities(frames)
+    keys = [*TRACK, "frame", "method"]
+    long = frames[keys].assign(**quantities).set_index(keys)
+    twice = long.index[long.index.duplicated()]
+    if len(twice):
+        run, subject, sensor, frame, method = twice[0]
+        raise PredictionsError(f"two entries are called {method!r} and answer frame {frame} of {run}, {subject}, {sensor}")
+    wide = long.unstack("method").sort_index()
+    sizes = wide.groupby(level=TRACK).size()
+    short_last = np.argsort(np.repeat(sizes.to_numpy(), sizes.to_numpy()) < SHORTEST, kind="stable")
+    tracks = [Track(str(run), int(size)) for run, size in zip(sizes.index.get_level_values("run"), sizes, strict=True)]
+    return Table(
+        modality=modality,
+        methods=tuple(str(name) for name in wide["charge"].columns),
+        tracks=tuple(sorted(tracks, key=lambda track: track.frames < SHORTEST)),
+        values={name: wide[name].fillna(absent.get(name, 0.0)).to_numpy(np.float64)[short_last] for name in quantities},
+    )
+
+
+def _quantities(frames: pd.DataFrame) -> dict[str, Floats]:
+    """Of each row what ``Table`` is made of."""
+    answered = frames["answered"].to_numpy(dtype=bool)
+    cpu_s = frames["cpu_s"].to_numpy(dtype=np.float64)
+    position_m = frames["position_error_m"].to_numpy(dtype=np.float64)
+    errors = {
+        "rotation_deg": frames["geodesic_deg"].to_numpy(dtype=np.float64),
+        "position_m": position_m,
+        "position_share": position_m / frames["range_m"].to_numpy(dtype=np.float64),
+    }
+    return {
+        "charge": charges(frames),
+        "answered": answered.astype(np.float64),
+        "wrong": frames["wrong"].to_numpy(dtype=np.float64),
+        "timed": np.isfinite(cpu_s).astype(np.float64),
+        "cpu_ms": 1e3 * np.nan_to_num(cpu_s),
+        **{name: np.where(answered & ~np.isnan(error), error, np.inf) for name, error in errors.items()},
+    }
