@@ -56,9 +56,15 @@ class Console:
             table.add_column(heading, justify="left" if left or index == 0 else "right", overflow="fold")
         for index, row in enumerate(rows):
             last = index + 1 < len(groups) and groups[index] != groups[index + 1]
-            table.add_row(*row.values(), end_section=last)
-        wide = RichConsole() if sys.stdout.isatty() else RichConsole(width=160)
+            table.add_row(*map(_printable, row.values()), end_section=last)
+        # Names of methods come from outside: brackets and colons are letters, not markup or emoji.
+        wide = RichConsole(width=None if sys.stdout.isatty() else 160, markup=False, emoji=False)
         wide.print(table)
+
+
+def _printable(text: str) -> str:
+    """``text`` with what would steer the terminal replaced."""
+    return "".join(letter if letter.isprintable() or letter == "\n" else "\N{REPLACEMENT CHARACTER}" for letter in text)
 
 
 def complain(verb: str, sentence: str) -> None:

@@ -146,7 +146,7 @@ def estimate(
 
 
 def judge(answers: Path, path: Path, out: Path, settle_s: float, console: Console) -> None:
-    """Scores the answers in a folder and prints the table."""
+    """Scores the answers in a folder and prints the tables."""
     import os
 
     from benchmark import judge as judging
@@ -168,6 +168,7 @@ def judge(answers: Path, path: Path, out: Path, settle_s: float, console: Consol
     title = f"{given.record.title} on {path.name}"
     index = Results(title=title, cases=(CaseHeading(name=path.name),), entries=(entry,))
     results.write(out, index)
+    _rank(out, index, console)
     _print_table(out, index, console)
 
 
@@ -179,13 +180,14 @@ def demo(out: Path, workers: int, console: Console) -> None:
 
 
 def bench(suite: str, out: Path, workers: int, quality: str | None, in_process: bool, console: Console) -> None:
-    """Runs a suite, prints the leaderboard, writes the page."""
+    """Runs a suite, ranks its methods, prints the tables, writes the page."""
     from benchmark import bench as benching
     from benchmark.suite import load_suite
 
     loaded, preset = load_suite(suite), _preset(quality)
     _warn_if_slow(console)
     index = benching.bench(loaded, out, workers=workers, quality=preset, stages=console.stage, in_process=in_process)
+    _rank(out, index, console)
     _print_table(out, index, console)
     report(out, console)
 
@@ -215,6 +217,19 @@ def _preset(name: str | None) -> "Quality | None":
     if name is not None:
         raise UsageError(unknown("quality preset", name, get_args(Quality)))
     return None
+
+
+def _rank(folder: Path, index: "Results", console: Console) -> None:
+    """Writes ranking.json and prints it: a table per division."""
+    from benchmark import ranking, ranking_cells
+    from benchmark.pool import pool
+
+    found = ranking.ranking(pool(folder, index))
+    ranking.write(folder, found)
+    if found.divisions:
+        console.say(ranking_cells.legend(found))
+    for division in found.divisions:
+        console.table(ranking_cells.title(division), ranking_cells.cells(division))
 
 
 def _print_table(folder: Path, index: "Results", console: Console) -> None:

@@ -1,0 +1,91 @@
+"""Rankings as texts: the lines of a division's table, its title, and numbers short enough to stand in a column."""
+
+import numpy as np
+
+from benchmark.ranking_record import Division, Estimate, Ranking, Standing
+
+_NAMED = 3  # cases or subjects in a title; of more the first, and how many more there are
+_LARGE = 1e5
+
+
+def legend(found: Ranking) -> str:
+    """What the columns are over and what a tie is, in two lines."""
+    guess_deg, level = np.degrees(found.rule.unanswered_rad), found.rule.confidence
+    return (
+        f"All frames count: one without an answer is charged a blind guess, {guess_deg:.1f}° and, where positions count, the range.\n"
+        f"Medians and p95 take it as larger than any error. Second lines: {level:.0%} intervals. 1= is a tie."
+    )
+
+
+def title(division: Division) -> str:
+    """Which methods are compared on what: the modality, cases, subjects, tracks and frames."""
+    return (
+        f"{division.modality}: {_some(division.cases)} ({_some(division.subjects)}); "
+        f"{_counted(division.tracks, 'track')}, {_counted(division.frames, 'frame')}"
+    )
+
+
+def cells(division: Division) -> list[dict[str, str]]:
+    """A line per method, best first; each figure but the tails with its interval on a second line."""
+    return [_line(one) for one in division.methods]
+
+
+def rank(standing: Standing) -> str:
+    """``1``, or ``1=`` for a tie."""
+    return f"{standing.rank}{'=' if standing.is_tied else ''}"
+
+
+def figure(estimate: Estimate | None, scale: float = 1.0) -> str:
+    """The figure; a dash where there is none, or a quantile falls among the frames without an answer."""
+    return "—" if estimate is None or estimate.value is None else short(scale * estimate.value)
+
+
+def interval(estimate: Estimate | None, scale: float = 1.0) -> str:
+    """``low–high``; ∞ where a bound falls among the frames without an answer; empty where there is none, or no width."""
+    if estimate is None or estimate.low is None or estimate.low == estimate.high:
+        return ""
+    if estimate.high is None:
+        return f"{short(scale * estimate.low)}–∞"
+    finest = _decimals(scale * estimate.high)
+    return f"{short(scale * estimate.low, finest)}–{short(scale * estimate.high)}"
+
+
+def short(value: float, finest: int = 4) -> str:
+    """Three significant digits, at most ``finest`` decimals, and no exponent unless the number would be long; 0 for zero."""
+    if value == 0.0:
+        return "0"
+    return f"{value:.0e}" if abs(value) >= _LARGE else f"{value:.{min(_decimals(value), finest)}f}"
+
+
+def _decimals(value: float) -> int:
+    """That three significant digits of ``value`` have; four at most."""
+    return 4 if value == 0.0 else int(np.clip(2 - np.floor(np.log10(abs(value))), 0, 4))
+
+
+def _line(one: Standing) -> dict[str, str]:
+    place = {}
+    if one.position_median_share is not None:
+        place = {"position\n‰ median": _two_lines(one.position_median_share, 1e3), "\np95": figure(one.position_p95_share, 1e3)}
+    return {
+        "method": f"{rank(one):<2} {one.method}",
+        "score\n× 1000": _two_lines(one.charge, 1e3),
+        "%\nanswered": _two_lines(one.availability, 1e2),
+        "rotation\n° median": _two_lines(one.rotation_median_deg),
+        " \np95": figure(one.rotation_p95_deg),  # the space tells it from the position's, which is beside it
+        **place,
+        "%\nwrong": _two_lines(one.wrong, 1e2),
+        "CPU ms\na frame": _two_lines(one.cpu_ms),
+    }
+
+
+def _two_lines(estimate: Estimate | None, scale: float = 1.0) -> str:
+    return f"{figure(estimate, scale)}\n{interval(estimate, scale)}".rstrip()
+
+
+def _some(names: tuple[str, ...]) -> str:
+    more = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
