@@ -5,7 +5,7 @@ import numpy as np
 from benchmark.ranking_record import Division, Estimate, Ranking, Standing
 
 _NAMED = 3  # cases or subjects in a title; of more the first, and how many more there are
-_LARGE = 1e5
+_SMALL, _LARGE = 0.1, 1e5
 
 
 def legend(found: Ranking) -> str:
@@ -51,15 +51,15 @@ def interval(estimate: Estimate | None, scale: float = 1.0) -> str:
 
 
 def short(value: float, finest: int = 4) -> str:
-    """Three significant digits, at most ``finest`` decimals, and no exponent unless the number would be long; 0 for zero."""
+    """Three significant digits, two below 0.1, in at most ``finest`` decimals; an exponent where it would be long; 0 for zero."""
     if value == 0.0:
         return "0"
     return f"{value:.0e}" if abs(value) >= _LARGE else f"{value:.{min(_decimals(value), finest)}f}"
 
 
 def _decimals(value: float) -> int:
-    """That three significant digits of ``value`` have; four at most."""
-    return 4 if value == 0.0 else int(np.clip(2 - np.floor(np.log10(abs(value))), 0, 4))
+    size = abs(value)
+    return 4 if size == 0.0 else int(np.clip((2 if size >= _SMALL else 1) - np.floor(np.log10(size)), 0, 4))
 
 
 def _line(one: Standing) -> dict[str, str]:
