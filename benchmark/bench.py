@@ -14,7 +14,6 @@ from benchmark.suite import Suite
 from estimators import registry
 from scenes.dataset import Dataset
 from scenes.errors import DatasetConflict, UsageError, unknown
-from scenes.features import CircleFeature
 from scenes.scenario import Quality
 
 Stages = Callable[[str], AbstractContextManager[Progress | None]]
@@ -101,22 +100,20 @@ def _refuse_unknown_methods(suite: Suite) -> None:
 
 
 def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, limits: Limits | None) -> Iterator[Task]:
-    """Every method on every feature of one data set, or on its LIDAR."""
-    circles = {one.name for one in case.scenario.target.features if isinstance(one, CircleFeature)}
-    lidar = None if case.features else case.lidar or next(iter(case.scenario.lidars))
-    for feature in case.features or (None,):
-        for title, method in suite.methods_of(case).items():
+    """Every method on everything of one data set that it answers."""
+    for subject in case.subjects:
+        for title, method in suite.methods_for(case, subject).items():
             yield Task(
                 run=run,
                 dataset=dataset,
-                feature=feature,
-                rig=case.rig if feature in circles else None,
-                lidar=lidar,
+                feature=subject.feature,
+                rig=case.rig if subject.modality == "stereo" else None,
+                lidar=subject.lidar,
                 title=title,
                 method=method,
                 sigma_px=suite.prior_sigma_px if case.prior_sigma_px is None else case.prior_sigma_px,
                 settle_s=case.settle_s,
-                folder=out / _ENTRIES / run.name / (feature or lidar or "all") / title,
+                folder=out / _ENTRIES / run.name / subject.name / title,
                 limits=limits,
                 reuse=limits is not None,
             )

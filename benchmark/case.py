@@ -6,6 +6,7 @@ from typing import Annotated
 from pydantic import Field, StringConstraints, model_validator
 
 from benchmark.limits import Limits
+from benchmark.subjects import Subject, of_feature
 from scenes.dataset_range import parse_frames
 from scenes.errors import UsageError, unknown
 from scenes.features import CircleFeature, Feature, MarkerFeature
@@ -27,7 +28,7 @@ class CaseRun:
 
 
 class Case(Spec):
-    """One data set: a scenario and its frames; which features are asked for and by which methods (none named: all).
+    """One data set: a scenario and its frames; which features and which LIDAR are asked for, by which methods (none named: all).
 
     The frames of the first ``settle_s`` seconds are answered but not judged: a filter needs time that a frame-by-frame
     method does not. ``quality``, ``prior_sigma_px`` and ``limits`` go before the suite's own. A circle is measured by the stereo
@@ -68,8 +69,6 @@ class Case(Spec):
         lidars = self.scenario.lidars
         if self.lidar is not None and self.lidar not in lidars:
             raise ValueError(unknown("LIDAR of the scenario", self.lidar, lidars))
-        if self.features and self.lidar is not None:
-            raise ValueError(f"a case asks for features or for what the LIDAR {self.lidar!r} measures; make two cases of it")
         if not self.features and not lidars:
             raise ValueError("features: a case names at least one feature of the target, or its scenario has a LIDAR")
         if not self.features and self.lidar is None and (len(lidars) > 1 or self.scenario.sensors):
@@ -100,6 +99,14 @@ class Case(Spec):
     def selected(self) -> range:
         """The frame numbers."""
         return parse_frames(self.frames, self.scenario.frame_count)
+
+    @property
+    def subjects(self) -> tuple[Subject, ...]:
+        """The features in their order, then the LIDAR."""
+        there = {feature.name: feature for feature in self.scenario.target.features}
+        lidar = self.lidar if self.features else self.lidar or next(iter(self.scenario.lidars))
+        scanned = () if lidar is None else (Subject(lidar, "lidar"),)
+        return (*(of_feature(there[name]) for name in self.features), *scanned)
 
     @property
     def runs(self) -> tuple[CaseRun, ...]:

@@ -88,7 +88,7 @@ def _of_rectangle(
     dataset: Dataset, feature: RectangleFeature, sigma_px: float, grant_aspect: bool, first: int
 ) -> Declaration:
     sensors = dict(dataset.sensors)
-    sensor = next(iter(sensors))
+    sensor = _single_camera(dataset)
     aspect = feature.length_m / feature.width_m if grant_aspect else None
     prior = CornerPrior(sensor, frozen(_clicked_corners(dataset, feature, sensor, first, sigma_px)), sigma_px)
     rectangle = Rectangle(feature.name, feature.target_from_feature, feature.gap, feature.free_standing, aspect)
@@ -102,6 +102,12 @@ def _of_rectangle(
         lidars=tuple(dataset.lidars),
     )
     return Declaration(Knowledge(sensors, rectangle, prior, lidars=dict(dataset.lidars)), record)
+
+
+def _single_camera(dataset: Dataset) -> str:
+    """The camera that a rectangle is looked at through: the first that belongs to no rig, else the first."""
+    paired = {name for pair in dataset.rigs.values() for name in (pair.left, pair.right)}
+    return next((name for name in dataset.sensors if name not in paired), next(iter(dataset.sensors)))
 
 
 def _of_ring(dataset: Dataset, feature: CircleFeature, grant_radius: bool, rig: str | None) -> Declaration:

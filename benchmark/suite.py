@@ -10,6 +10,7 @@ from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_valida
 from benchmark.case import Case, CaseRun, Name
 from benchmark.limits import Limits
 from benchmark.published import Published, PublishedFilter, PublishedRing
+from benchmark.subjects import MEASURES, Modality, Subject
 from benchmark.suite_include import merged
 from scenes.config import load
 from scenes.config_tree import Table
@@ -31,13 +32,27 @@ class Method(Spec):
     """A registered estimator (or ``package.module:Class``) with its parameters.
 
     ``aspect`` grants it a rectangle's L/W, ``radius`` a circle's radius, ``model`` a cloud of the target's surface for a LIDAR.
+    ``modality``: what it answers where a case asks for several: ``mono`` rectangles, ``stereo`` rings, ``lidar`` scans. Left out,
+    it meets all that its cases ask for.
     """
 
     estimator: str
+    modality: Modality | None = None
     parameters: dict[str, Any] = Field(default_factory=dict)
     aspect: bool = False
     radius: bool = False
     model: bool = False
+
+    @model_validator(mode="after")
+    def _is_granted_what_it_can_use(self) -> "Method":
+        for grant, of in (("aspect", "mono"), ("radius", "stereo"), ("model", "lidar")):
+            if getattr(self, grant) and self.modality not in (None, of):
+                raise ValueError(f"{grant} is granted to methods for {MEASURES[of]}, and this one's modality is {self.modality!r}")
+        return self
+
+    def answers(self, subject: Subject) -> bool:
+        """Whether it meets ``subject``."""
+        return self.modality in (None, subject.modality)
 
 
 class Note(Spec):
@@ -107,19 +122,41 @@ class Suite(Spec):
         return self
 
     @model_validator(mode="after")
-    def _models_are_for_lidars(self) -> "Suite":
+    def _subjects_meet_methods(self) -> "Suite":
         for case in self.cases:
-            granted = [name for name, method in self.methods_of(case).items() if method.model]
-            if case.features and granted:
-                raise ValueError(
-                    f"case {case.name!r}: method {granted[0]!r} is granted a model of the target, which is for a LIDAR, and the "
-                    "case asks for features; name its methods"
-                )
+            for name, method in self.methods_of(case).items():
+                if case.features and method.modality is None:
+                    _refuse_doubt(case, name, method)
+            for subject in case.subjects:
+                if not self.methods_for(case, subject):
+                    raise ValueError(
+                        f"case {case.name!r}: no method answers {subject}; one with modality = {subject.modality!r} would, or one "
+                        "without a modality"
+                    )
         return self
 
     def methods_of(self, case: Case) -> dict[str, Method]:
         """The methods that a case is for, in the suite's order."""
         return {name: method for name, method in self.methods.items() if not case.methods or name in case.methods}
+
+    def methods_for(self, case: Case, subject: Subject) -> dict[str, Method]:
+        """Those of them that answer one of its subjects."""
+        return {name: method for name, method in self.methods_of(case).items() if method.answers(subject)}
+
+
+def _refuse_doubt(case: Case, name: str, method: Method) -> None:
+    """Of a method without a modality: refuses it where the case asks for features and it, or the case, is for a LIDAR."""
+    if case.lidar is not None:
+        raise ValueError(
+            f"case {case.name!r} asks for features and for what the LIDAR {case.lidar!r} measures, and method {name!r} does not "
+            "say which of them it answers; give it modality = 'mono' (rectangles), 'stereo' (rings) or 'lidar' (scans), or name "
+            "the case's methods"
+        )
+    if method.model:
+        raise ValueError(
+            f"case {case.name!r}: method {name!r} is granted a model of the target, which is for a LIDAR, and the case asks for "
+            "features; name its methods, or give it modality = 'lidar'"
+        )
 
 
 def load_suite(name_or_path: str) -> Suite:

@@ -11,12 +11,13 @@ import numpy as np
 from pydantic import Field
 from scipy.spatial.transform import RigidTransform, Rotation
 
-from scenes.arrays import frozen
+from scenes.arrays import Floats, frozen
 from scenes.draw import PositiveScalar, Scalar, scalar
+from scenes.motion_scatter import NutationScatter, Scatter
 from scenes.orbit_motion import TumbleInOrbit
 from scenes.provenance import stream
 from scenes.recording import ChaserState
-from scenes.spec import Positive, Spec, Vector3
+from scenes.spec import Positive, Spec, Vector3, is_empty
 
 # P_chaser = CHASER_FROM_PAPER · P_paper: right = Y, down = −Z, forward = −X.
 CHASER_FROM_PAPER = frozen([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
@@ -63,19 +64,23 @@ class AxisSweep(BeforeChaser):
 
 
 class Spin(BeforeChaser):
-    """Constant angular velocity from a start attitude, at a position that drifts at constant velocity (chaser axes)."""
+    """Constant angular velocity from a start attitude, at a position that drifts at constant velocity (chaser axes).
+
+    ``scatter``: how far the start of a run lies from the stated one, as its seed draws it.
+    """
 
     type: Literal["spin"]
     position_m: Vector3
     velocity_m_s: Vector3 = (0.0, 0.0, 0.0)
     rotation_vector_deg: Vector3 = (0.0, 0.0, 0.0)
     omega_target_deg_s: Vector3 = (0.0, 0.0, 0.0)
+    scatter: Scatter | None = Field(default=None, exclude_if=is_empty)
 
     def chaser_from_target(self, time_s: float, frame: int, seed: int) -> RigidTransform:  # noqa: ARG002
         """The pose at ``time_s``: start attitude, then ω·t in target axes."""
         turned = Rotation.from_rotvec(np.asarray(self.omega_target_deg_s) * time_s, degrees=True)
-        rotation = Rotation.from_rotvec(self.rotation_vector_deg, degrees=True) * turned
-        return RigidTransform.from_components(np.asarray(self.position_m) + np.asarray(self.velocity_m_s) * time_s, rotation)
+        start, position_m = _start(self.rotation_vector_deg, self.position_m, self.scatter, seed)
+        return RigidTransform.from_components(position_m + np.asarray(self.velocity_m_s) * time_s, start * turned)
 
     def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:  # noqa: ARG002
         """Angular velocity of the target against the chaser, in target axes: always the same."""
@@ -88,7 +93,9 @@ class NutationApproach(BeforeChaser):
 
     R(t) = R₀ · R_z(φ) · R_x(ν) · R_z(s·t − φ) with φ = 2π t / period + phase (Euler's angles; Goldstein, section 4.4): R₀ is
     ``rotation_vector_deg``, whose z axis is the cone's; ν is ``nutation_deg``, the angle that z keeps to it; s is
-    ``spin_deg_s`` about z. Without spin the target wobbles but comes back to the same attitude after each period.
+    ``spin_deg_s`` about z. Without spin the target wobbles but comes back to the same attitude after each period. A free body
+    whose moments are It across z and Iz about it has s = 2π / period · (1 + cos ν (It / Iz − 1)) (Goldstein, section 5.6).
+    ``scatter``: how far the start of a run lies from the stated one, as its seed draws it.
     """
 
     type: Literal["nutation-approach"]
@@ -99,27 +106,29 @@ class NutationApproach(BeforeChaser):
     period_s: Positive
     phase_deg: float = 0.0
     spin_deg_s: float = 0.0
+    scatter: NutationScatter | None = Field(default=None, exclude_if=is_empty)
 
     def chaser_from_target(self, time_s: float, frame: int, seed: int) -> RigidTransform:  # noqa: ARG002
         """The pose at ``time_s``."""
-        round_cone, about_z = self._angles_rad(time_s)
+        round_cone, about_z = self._angles_rad(time_s, seed)
         wobble = Rotation.from_euler("ZXZ", [round_cone, math.radians(self.nutation_deg), about_z])
-        rotation = Rotation.from_rotvec(self.rotation_vector_deg, degrees=True) * wobble
-        return RigidTransform.from_components(np.asarray(self.position_m) + np.asarray(self.velocity_m_s) * time_s, rotation)
+        start, position_m = _start(self.rotation_vector_deg, self.position_m, self.scatter, seed)
+        return RigidTransform.from_components(position_m + np.asarray(self.velocity_m_s) * time_s, start * wobble)
 
-    def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:  # noqa: ARG002
+    def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:
         """Angular velocity of the target against the chaser, in target axes: φ̇ sin ν (sin ψ, cos ψ, 0) + (φ̇ cos ν + ψ̇) z.
 
         ψ = s·t − φ is the angle about z (Goldstein, eq. 4.87). Its length does not change.
         """
-        tilt, rate, (_, about_z) = math.radians(self.nutation_deg), 2 * math.pi / self.period_s, self._angles_rad(time_s)
+        tilt, rate, (_, about_z) = math.radians(self.nutation_deg), 2 * math.pi / self.period_s, self._angles_rad(time_s, seed)
         across = rate * math.sin(tilt)
         along = rate * (math.cos(tilt) - 1) + math.radians(self.spin_deg_s)
         return across * math.sin(about_z), across * math.cos(about_z), along
 
-    def _angles_rad(self, time_s: float) -> tuple[float, float]:
+    def _angles_rad(self, time_s: float, seed: int) -> tuple[float, float]:
         """φ, round the cone, and ψ, about z."""
-        round_cone = 2 * math.pi * time_s / self.period_s + math.radians(self.phase_deg)
+        drawn = 0.0 if self.scatter is None else self.scatter.phase_rad(seed)
+        round_cone = 2 * math.pi * time_s / self.period_s + math.radians(self.phase_deg) + drawn
         return round_cone, math.radians(self.spin_deg_s) * time_s - round_cone
 
 
@@ -143,6 +152,12 @@ class RandomViews(BeforeChaser):
     def omega_target_rad_s(self, time_s: float, seed: int = 0) -> Vector3:  # noqa: ARG002
         """Nothing moves within a view."""
         return 0.0, 0.0, 0.0
+
+
+def _start(rotation_vector_deg: Vector3, position_m: Vector3, scatter: Scatter | None, seed: int) -> tuple[Rotation, Floats]:
+    """Attitude and position (3,) at the start of a run."""
+    rotation, position = Rotation.from_rotvec(rotation_vector_deg, degrees=True), np.asarray(position_m)
+    return (rotation, position) if scatter is None else (rotation * scatter.turn(seed), position + scatter.offset_m(seed))
 
 
 Motion = Annotated[AxisSweep | Spin | NutationApproach | RandomViews | TumbleInOrbit, Field(discriminator="type")]
