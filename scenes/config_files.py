@@ -9,7 +9,7 @@ from scenes.config_tree import Source, Table, tabled
 from scenes.errors import ConfigError, unknown
 
 LIBRARY = Path(str(resources.files("scenes").joinpath("library")))
-KINDS = ("target", "material", "camera", "rig", "lidar", "light", "display", "scenario", "suite", "study")
+KINDS = ("target", "material", "camera", "rig", "lidar", "light", "display", "scenario", "suite", "study", "paper")
 _FOLDERS = {"study": "studies"}
 LARGEST_BYTES = 4 * 2**20
 
