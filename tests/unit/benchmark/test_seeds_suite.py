@@ -4,6 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from benchmark import bench
+from benchmark.case import Case, CaseRun
+from benchmark.entries import Task
 from benchmark.suite import Suite, load_suite
 from scenes.errors import ConfigError
 
@@ -68,6 +71,25 @@ def test_seeds_is_the_three_papers_and_the_ground_test_as_they_are() -> None:
         assert {*part.published} <= {*seeds.published}
         assert all(one in seeds.published_rings for one in part.published_rings)
         assert all(one in seeds.published_filters for one in part.published_filters)
+
+
+def test_what_is_rendered_and_answered_is_the_same_with_or_without_seeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Data sets by scenario, frames, seed and quality; entries by everything that their answers depend on."""
+    rendered: list[object] = []
+    tasks: list[Task] = []
+
+    def render(suite: Suite, case: Case, run: CaseRun, path: Path, *_: object) -> None:
+        rendered.append((case.scenario, case.selected, run, path, case.quality or suite.quality))
+
+    monkeypatch.setattr(bench, "_render", render)
+    monkeypatch.setattr(bench, "done_here", lambda mine, _: tasks.extend(mine))
+    bench.bench(load_suite("seeds"), tmp_path)
+    together, rendered[:] = (list(rendered), list(tasks)), []
+    tasks.clear()
+    for name in PARTS:
+        bench.bench(load_suite(name), tmp_path)
+    assert len(tasks) > 100
+    assert together == (rendered, tasks)
 
 
 def test_cases_of_one_name_are_told_apart_by_their_suites_and_keep_its_rules(tmp_path: Path) -> None:
