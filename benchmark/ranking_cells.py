@@ -12,7 +12,7 @@ def legend(found: Ranking) -> str:
     """What the columns are over and what a tie is, in two lines."""
     guess_deg, level = np.degrees(found.rule.unanswered_rad), found.rule.confidence
     return (
-        f"All frames count: one without an answer is charged a blind guess, {guess_deg:.1f}° and, of positions, the whole range.\n"
+        f"All frames count: one without an answer, or wrong, is charged {guess_deg:.1f}° and, of positions, the whole range.\n"
         f"Medians and p95 take it as larger than any error. Second lines: {level:.0%} intervals. 1= is a tie."
     )
 

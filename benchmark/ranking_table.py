@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
 
 from benchmark.errors import PredictionsError
 from benchmark.pool import TRACK, Modality
-from benchmark.ranking_bootstrap import SHORTEST, Track
+from benchmark.ranking_bootstrap import SHORTEST, Track, block_length
 from benchmark.ranking_rule import charges, unanswered
 from scenes.arrays import Floats
 
@@ -49,13 +50,26 @@ def table_of(frames: pd.DataFrame) -> Table:
     wide = long.unstack("method").sort_index()
     sizes = wide.groupby(level=TRACK).size()
     short_last = np.argsort(np.repeat(sizes.to_numpy(), sizes.to_numpy()) < SHORTEST, kind="stable")
-    tracks = [Track(str(run), int(size)) for run, size in zip(sizes.index.get_level_values("run"), sizes, strict=True)]
+    runs = sizes.index.get_level_values("run").astype(str)
+    tracks = _tracks(list(runs), list(sizes), wide["charge"].fillna(absent["charge"]).to_numpy(np.float64))
     return Table(
         modality=modality,
         methods=tuple(str(name) for name in wide["charge"].columns),
         tracks=tuple(sorted(tracks, key=lambda track: track.frames < SHORTEST)),
         values={name: wide[name].fillna(absent.get(name, 0.0)).to_numpy(np.float64)[short_last] for name in quantities},
     )
+
+
+def _tracks(runs: list[str], sizes: list[int], charge: Floats) -> list[Track]:
+    """The tracks, with blocks that are long enough for the mean charge of each method and the difference of each pair."""
+    pairs = list(combinations(range(charge.shape[1]), 2))
+    series = np.hstack([charge, charge[:, [one for one, _ in pairs]] - charge[:, [other for _, other in pairs]]])
+    parts = np.split(series, np.cumsum(sizes)[:-1])
+    wanted = [block_length(part) for part in parts]
+    longest: dict[tuple[str, int], int] = {}
+    for run, size, length in zip(runs, sizes, wanted, strict=True):
+        longest[run, size] = max(length, longest.get((run, size), 0))
+    return [Track(run, size, longest[run, size]) for run, size in zip(runs, sizes, strict=True)]
 
 
 def _quantities(frames: pd.DataFrame) -> dict[str, Floats]:
