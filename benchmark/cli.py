@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from benchmark import cli_results
 from benchmark.cli_options import (
     Answerers,
     Answers,
@@ -28,14 +29,9 @@ from benchmark.cli_options import (
     Quiet,
     Rig,
     Workers,
+    example,
 )
 from benchmark.console import Console, complain
-
-
-def example(command: str) -> str:
-    """The last lines of a verb's help, not to be wrapped."""
-    return f"\b\nExample:\n  {command}"
-
 
 app = typer.Typer(
     name="hardlight",
@@ -234,6 +230,8 @@ def report(
 
     verbs.report(folder, Console())
 
+
+cli_results.register(app)
 
 INTERRUPTED = {
     "render": "interrupted; finished frames are kept, the same command with --resume goes on",

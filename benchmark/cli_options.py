@@ -26,3 +26,8 @@ InProcess = Annotated[
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, only results and errors.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def example(command: str) -> str:
+    """The last lines of a verb's help, not to be wrapped."""
+    return f"\b\nExample:\n  {command}"

@@ -195,7 +195,9 @@ def bench(suite: str, out: Path, workers: int, quality: str | None, in_process: 
 def report(folder: Path, console: Console) -> None:
     """Writes the page and says where it is."""
     from benchmark import report as page
+    from benchmark.archive import require_datasets
 
+    require_datasets(folder)
     console.say(f"the report: {page.write(folder).resolve()}")
 
 

@@ -20,6 +20,7 @@ from estimators import registry
 from scenes.dataset_manifest import read_manifest
 
 VERBS = ("demo", "doctor", "list", "render", "verify", "estimate", "check", "conform", "judge", "bench", "report")
+VERBS += ("archive", "reproduce")
 HEAVY = ("numpy", "scipy", "pandas", "pyarrow", "matplotlib", "cv2", "mitsuba", "drjit", "pydantic", "jinja2", "trimesh")
 SUITE = """
 title = "Tiny"
