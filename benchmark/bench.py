@@ -36,7 +36,7 @@ def bench(
     """Runs ``suite`` into ``out`` and returns its index, which is also written there as results.json.
 
     ``stages`` opens the progress of one stage by its title. Data sets already in ``out`` are reused where their digest
-    fits, else refused; answers are kept that would come out the same, scores are made anew. ``workers`` processes render, then
+    fits, else refused; answers and scores are kept that would come out the same. ``workers`` processes render, then
     answer, an entry each.
     Every method runs in a process of its own, within the suite's limits; ``in_process`` runs them here, to be debugged. One that
     crashes, hangs or cannot be loaded has failed in the frames concerned. Raises ``UsageError`` for a method that nobody knows.

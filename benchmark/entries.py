@@ -74,7 +74,7 @@ def done_in_processes(tasks: Sequence[Task], workers: int, stages: Stages) -> No
 
 def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
     """Declares, lets the method answer and judges it; all that is left behind lies in the task's folder."""
-    from benchmark import judge, run
+    from benchmark import freshness, judge, run
     from benchmark.knowledge import declare
 
     dataset, method = Dataset.open(task.dataset), task.method
@@ -100,7 +100,9 @@ def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
         forgiving=True,
         reuse=task.reuse,
     )
-    judge.write(task.folder, judge.judge(given, dataset, task.settle_s))
+    if not (task.reuse and freshness.is_judged(task.folder, dataset, task.settle_s)):
+        judge.write(task.folder, judge.judge(given, dataset, task.settle_s))
+        freshness.mark_judged(task.folder, dataset, task.settle_s)
 
 
 def _start_worker() -> None:

@@ -5,6 +5,7 @@ Gaussian noise, from a stream of the data set's seed and the feature's name, so 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial.transform import RigidTransform
@@ -16,8 +17,8 @@ from scenes.dataset import Dataset
 from scenes.errors import UsageError, unknown
 from scenes.features import CircleFeature, MarkerFeature, RectangleFeature
 from scenes.intrinsics import Intrinsics
-from scenes.provenance import stream
-from scenes.recording import CornerPrior, Knowledge, Rectangle, Ring, StereoPair
+from scenes.provenance import canonical_json, stream
+from scenes.recording import CornerPrior, Knowledge, ModelCloud, Rectangle, Ring, StereoPair
 from scenes.target import Target
 
 PRIOR_SIGMA_PX = 3.0
@@ -78,10 +79,16 @@ def _of_lidar(dataset: Dataset, feature_name: str | None, name: str | None, gran
     if name is not None and name not in dataset.lidars:
         raise UsageError(f"{dataset.path}: {unknown('LIDAR', name, dataset.lidars)}")
     sensors, lidars = dict(dataset.sensors), {key: one for key, one in dataset.lidars.items() if name in (None, key)}
-    model = model_cloud(Target.model_validate(dataset.scenario["target"])) if grant_model else None
-    told = None if model is None else ModelRecord(points=len(model.points_target), digest=digest(model))
+    model, told = _model(canonical_json(dataset.scenario["target"])) if grant_model else (None, None)
     record = KnowledgeRecord(sensors=tuple(sensors), lidars=tuple(lidars), model=told)
     return Declaration(Knowledge(sensors, lidars=lidars, model=model), record)
+
+
+@lru_cache(maxsize=2)
+def _model(target: str) -> tuple[ModelCloud, ModelRecord]:
+    """The cloud of a target, given as JSON, and its record; the data sets of a suite mostly share one target."""
+    cloud = model_cloud(Target.model_validate_json(target))
+    return cloud, ModelRecord(points=len(cloud.points_target), digest=digest(cloud))
 
 
 def _of_rectangle(

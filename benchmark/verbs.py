@@ -189,7 +189,19 @@ def bench(suite: str, out: Path, workers: int, quality: str | None, in_process: 
     index = benching.bench(loaded, out, workers=workers, quality=preset, stages=console.stage, in_process=in_process)
     _rank(out, index, console)
     _print_table(out, index, console)
-    report(out, console)
+    _report_anew(out, index, console)
+
+
+def _report_anew(folder: Path, index: "Results", console: Console) -> None:
+    """Writes the page unless the same lies there."""
+    from benchmark import freshness
+    from benchmark.report import PAGE
+
+    if freshness.is_reported(folder, index):
+        console.say(f"the report: {(folder / PAGE).resolve()}")
+        return
+    report(folder, console)
+    freshness.mark_reported(folder, index)
 
 
 def report(folder: Path, console: Console) -> None:
