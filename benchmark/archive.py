@@ -98,6 +98,8 @@ def _refuse_other(target: Path, title: str) -> None:
     strange = next((path for path in files if path.name not in _KEPT or path.is_symlink()), None)
     if strange is not None:
         raise ResultsConflict(f"{target} holds {strange.relative_to(target)}, which is not of an archive; choose another --to")
+    if files and not (target / INDEX).is_file():
+        raise ResultsConflict(f"{target} holds files and no {INDEX}; choose another --to")
     if files and (there := results.read(target).title) != title:
         raise ResultsConflict(f"{target} is the archive of {there!r}, not of {title!r}; choose another --to")
 

@@ -41,7 +41,7 @@ class Comparison:
     """What came of it. ``strange``: data set of a case → in what it differs from the reference's.
 
     ``cpu_ratio``: median over the entries of the re-run's CPU per frame to the reference's, not judged. ``added``: entries that
-    the reference does not have. ``ranks``: which of both has a ranking; without one ranks were not compared.
+    the reference does not have. ``unranked``: why ranks were not compared, empty where they were.
     """
 
     judged: tuple[Judged, ...]
@@ -50,7 +50,7 @@ class Comparison:
     strange: dict[str, str]
     added: int
     cpu_ratio: float | None
-    ranks: bool
+    unranked: str
 
     @cached_property
     def outside(self) -> tuple[Judged, ...]:
@@ -73,12 +73,12 @@ def compare(kept: Path, out: Path) -> Comparison:
     strange = _strange_datasets(kept, out, there, here)
     judged: list[Judged] = []
     entries: Counter[Group] = Counter()
-    for key in there.keys() & here.keys():
+    for key in (one for one in there if one in here):
         group: Group = "other data" if there[key][0].case in strange else "same data"
         entries[group] += 1
         judged += _judged(group, _name(key), there[key][1], here[key][1])
-    ranks = all((folder / ranking.FILE).is_file() for folder in (kept, out))
-    if ranks:
+    unranked = _why_unranked(kept, out)
+    if not unranked:
         judged += (Judged("ranking", *one) for one in compared(ranking.read(kept), ranking.read(out)))
     return Comparison(
         judged=tuple(judged),
@@ -87,7 +87,7 @@ def compare(kept: Path, out: Path) -> Comparison:
         strange=strange,
         added=len(here.keys() - there.keys()),
         cpu_ratio=_cpu_ratio(there, here),
-        ranks=ranks,
+        unranked=unranked,
     )
 
 
@@ -120,6 +120,13 @@ def _strange_datasets(kept: Path, out: Path, there: _Listed, here: _Listed) -> d
             differing = sum(ours.get(frame) != theirs.get(frame) for frame in ours.keys() | theirs.keys())
             strange[case] = f"same identity, {differing} of {len(ours)} frames have other bytes"
     return strange
+
+
+def _why_unranked(kept: Path, out: Path) -> str:
+    lacking = [folder for folder in (kept, out) if not (folder / ranking.FILE).is_file()]
+    if lacking:
+        return f"{lacking[0]} has no {ranking.FILE}"
+    return "" if ranking.read(kept).rule == ranking.read(out).rule else "they were ranked by different rules"
 
 
 def _cpu_ratio(there: _Listed, here: _Listed) -> float | None:

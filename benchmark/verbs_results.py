@@ -48,8 +48,8 @@ def _say(found: "Comparison", console: Console) -> None:
     console.table("other data sets, so other bits; their statistics are compared all the same", strange, left=True)
     console.table("not reproduced", [_cells(one) for one in found.outside], left=True)
     console.table("missing in the re-run", [{"entry": name} for name in found.missing], left=True)
-    if not found.ranks:
-        console.say("ranks were not compared: not both have a ranking.json")
+    if found.unranked:
+        console.say(f"ranks were not compared: {found.unranked}")
     if found.added:
         console.say(f"{found.added} entries are not in the reference")
     if found.cpu_ratio is not None:
