@@ -34,7 +34,9 @@ def camera_views(answers: Answers, row: pd.Series, said: Said) -> tuple[View, ..
         shapes = list(_outlines(answers.solids(dataset), feature, {"true": true, "answered": here}, lens, window))
         if found := detected(said.extras, name, lens, window):
             shapes.append(Shape("detected", found))
-        seen = Layer("picture", "Picture", picture_uri(shown(window.cut(images[camera].pixels), model)))
+        seen = Layer(
+            "picture", "Picture", picture_uri(shown(window.cut(images[camera].pixels), model)), low="grey values, gamma 2.2"
+        )
         more = () if views else tuple(layers(dataset.layers(frame, camera), window))
         views.append(View(name or camera, window.width, window.height, (seen, *more), tuple(shapes)))
     return tuple(views)

@@ -44,7 +44,7 @@ def layers(truth: Mapping[str, NDArray[Any]], window: Window) -> Iterator[Layer]
         yield from _radiance(np.sum([cut[name] for name in _RADIANCE], axis=0, dtype=np.float64))
     if "mask" in cut:
         states = tuple((colour, name) for name, _, colour in LIGHT_STATES)
-        yield Layer("light", "Light state", data_uri(light_states(_thinned(cut["mask"])), _LOSSLESS), swatches=states)
+        yield Layer("light", "Light", data_uri(light_states(_thinned(cut["mask"])), _LOSSLESS), swatches=states)
     if "z_m" in cut and (cut["z_m"] > 0).any():
         yield _depth(_thinned(cut["z_m"]))
     if all(name in cut for name in _NORMAL):

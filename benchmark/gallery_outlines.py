@@ -49,8 +49,10 @@ def silhouette(solids: Iterable[Solid], cam_from_target: RigidTransform, lens: I
 
 
 def _fill(canvas: NDArray[np.uint8], triangles: Floats) -> None:
-    """Sets the pixels of (n, 3, 2) triangles, integers being pixel centres. Those of a mesh too fine to be seen are points."""
+    """Sets the pixels of (n, 3, 2) triangles that show their outside, integers being pixel centres; smaller ones are points."""
     there = triangles[np.isfinite(triangles).all(axis=(1, 2))]
+    (x1, y1), (x2, y2) = (there[:, 1] - there[:, 0]).T, (there[:, 2] - there[:, 0]).T
+    there = there[x1 * y2 < x2 * y1]  # surfaces are one-sided: with y down, those that face the camera run clockwise
     low, high = there.min(axis=1, initial=np.inf), there.max(axis=1, initial=-np.inf)
     inside = (high > -1).all(axis=1) & (low < np.array(canvas.shape[::-1])).all(axis=1)
     inside &= (low > -_FAR_PX).all(axis=1) & (high < _FAR_PX).all(axis=1)

@@ -70,16 +70,22 @@ def _of(case: pd.DataFrame, answers: Answers) -> pd.DataFrame | None:
     return chosen
 
 
-def scans_3d(chosen: Sequence[pd.DataFrame], answers: Answers, titles: Sequence[str]) -> Iterator[Scan3D]:
-    """The scans that can be read."""
+def scans_3d(chosen: Sequence[pd.DataFrame], answers: Answers, titles: Sequence[str], bases: Mapping[str, str]) -> Iterator[Scan3D]:
+    """The scans that can be read. ``bases``: a run → its case, under whose name the command stands."""
     for number, rows in enumerate(chosen):
         try:
-            yield _scan(rows, answers, titles, number)
+            line = command(answers.dataset(rows.iloc[0]).manifest, int(rows["frame"].iloc[0]), _base(rows, bases))
+            yield _scan(rows, answers, titles, number, line)
         except (DatasetError, PredictionsError):
             continue
 
 
-def _scan(rows: pd.DataFrame, answers: Answers, titles: Sequence[str], number: int) -> Scan3D:
+def _base(rows: pd.DataFrame, bases: Mapping[str, str]) -> str:
+    run = str(rows["run"].iloc[0])
+    return bases.get(run, run)
+
+
+def _scan(rows: pd.DataFrame, answers: Answers, titles: Sequence[str], number: int, line: str) -> Scan3D:
     row = rows.iloc[0]
     dataset, lidar, frame = answers.dataset(row), str(row["sensor"]), int(row["frame"])
     reading, parts = Reading.of(dataset, lidar, frame), answers.solids(dataset)
@@ -92,7 +98,7 @@ def _scan(rows: pd.DataFrame, answers: Answers, titles: Sequence[str], number: i
     data["centre"] = np.round(reading.true.translation, 4).tolist()
     heading = f"{row['run']}, {lidar}, frame {frame}"
     said = _alternative(reading, rows, len(data["poses"]) - 1)
-    return Scan3D(f"scan3d-{number}", heading, said, command(dataset.manifest, frame, str(row["run"])), data)
+    return Scan3D(f"scan3d-{number}", heading, said, line, data)
 
 
 def packed(reading: Reading) -> dict[str, Any]:

@@ -30,6 +30,11 @@ class Shelf:
     name: str
     items: tuple[Item, ...]
 
+    @property
+    def is_paired(self) -> bool:
+        """Whether cards have two views."""
+        return any(len(item.views) > 1 for item in self.items)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gallery:
@@ -60,21 +65,21 @@ def gallery(folder: Path, index: Results, frames: pd.DataFrame, titles: Sequence
     Reads the data sets' chosen frames alone. A frame that is not there, or is damaged, is left out and counted.
     """
     answers, order = Answers(folder), list(dict.fromkeys([*titles, *frames["method"]]))
-    descriptions = {case.name: case.base or case.name for case in index.cases}
+    bases = {case.name: case.base or case.name for case in index.cases}
     chosen = choose(frames, order)
-    cards = [_card(choice, number, answers, order, descriptions) for number, choice in enumerate(chosen)]
+    cards = [_card(choice, number, answers, order, bases) for number, choice in enumerate(chosen)]
     kept = list(_within_budget(card for card in cards if card is not None))
     shelves = tuple(_shelves(kept, order))
-    scans = tuple(scans_3d(choose_scans(frames, answers), answers, order))
+    scans = tuple(scans_3d(choose_scans(frames, answers), answers, order, bases))
     return Gallery(shelves, scans, missing=sum(card is None for card in cards))
 
 
-def _card(choice: Choice, number: int, answers: Answers, order: list[str], names: dict[str, str]) -> Item | None:
+def _card(choice: Choice, number: int, answers: Answers, order: list[str], bases: dict[str, str]) -> Item | None:
     row = choice.row
     try:
         said = answers.of(row)
         views = (lidar_views if row["modality"] == "lidar" else camera_views)(answers, row, said)
-        line = command(answers.dataset(row).manifest, int(row["frame"]), names.get(str(row["run"]), str(row["run"])))
+        line = command(answers.dataset(row).manifest, int(row["frame"]), bases.get(str(row["run"]), str(row["run"])))
     except (DatasetError, PredictionsError):
         return None
     reason = "" if row["answered"] else said.reason

@@ -6,7 +6,7 @@
   const EDGES = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
   const AXES = ["x", "y", "z"], LEVELS = 32, TURN = Math.PI / 36, FEW = 8;
 
-  const rgb = (hex) => [1, 3, 5].map((place) => parseInt(hex.slice(place, place + 2), 16));
+  const rgb = (colour) => colour.match(/[\d.]+/g).slice(0, 3).map(Number);
   const ramp = (stops) => Array.from({ length: LEVELS }, (_, level) => {
     const at = (level / (LEVELS - 1)) * (stops.length - 1), low = Math.min(Math.floor(at), stops.length - 2);
     const [a, b] = [rgb(stops[low]), rgb(stops[low + 1])];
@@ -110,12 +110,15 @@
     }
 
     theme() {
-      const style = getComputedStyle(this.canvas), read = (name) => style.getPropertyValue(name).trim();
-      const many = (name, count) => Array.from({ length: count }, (_, index) => read(`--${name}-${index % FEW}`));
-      return {
-        ground: read("--scan-ground"), ink: read("--scan-ink"), true: read("--true-line"), ramp: ramp(read("--scan-ramp").split(",").map((one) => one.trim())),
-        fate: many("fate", this.fates.length), part: many("part", FEW), series: Array.from({ length: 6 }, (_, index) => read(`--series-${index}`)),
+      const probe = this.figure.appendChild(document.createElement("i")), style = getComputedStyle(probe);
+      const read = (name) => { probe.style.color = `var(--${name})`; return style.color; }; // a variable's own text need not be a colour
+      const many = (name, count) => Array.from({ length: count }, (_, index) => read(`${name}-${index}`));
+      const found = {
+        ground: read("scan-ground"), ink: read("scan-ink"), true: read("true-line"), ramp: ramp(many("ramp", 6)),
+        fate: many("fate", FEW), part: many("part", FEW), series: many("series", 6),
       };
+      probe.remove();
+      return found;
     }
 
     colours(theme) {
@@ -138,13 +141,13 @@
     }
 
     draw() {
-      const { canvas } = this, ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+      const { canvas } = this, theme = (this.themed ??= this.theme()), ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
       if (!width || !height) return;
       if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
         canvas.width = Math.round(width * ratio);
         canvas.height = Math.round(height * ratio);
       }
-      const pen = canvas.getContext("2d"), theme = this.theme(), place = this.projection(width, height);
+      const pen = canvas.getContext("2d"), place = this.projection(width, height);
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
       pen.fillStyle = theme.ground;
       pen.fillRect(0, 0, width, height);
@@ -219,5 +222,7 @@
     figure.querySelector(".g-tools").hidden = false;
     views.push(new View(figure, JSON.parse(shared.textContent)));
   }
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => views.forEach((view) => view.draw()));
+  const repaint = () => views.forEach((view) => { view.themed = null; view.draw(); });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
+  new MutationObserver(repaint).observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
 })();
