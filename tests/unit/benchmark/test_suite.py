@@ -81,3 +81,72 @@ def test_each_mistake_is_a_sentence(tmp_path: Path, old: str, new: str, sentence
 def test_two_cases_of_one_name_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="two cases are called 'one'"):
         _load(tmp_path, GOOD + GOOD[GOOD.index("[[cases]]") :])
+
+
+MIXED = """
+title = "t"
+description = "d"
+[methods.one]
+estimator = "mono-rectangle"
+modality = "mono"
+[methods.two]
+estimator = "stereo-ring"
+modality = "stereo"
+[methods.scans]
+estimator = "lidar-ekf"
+modality = "lidar"
+model = true
+[[cases]]
+name = "all"
+scenario = "standard-sun"
+frames = "0:2"
+features = ["ring", "panel"]
+lidar = "lidar"
+"""
+
+
+def test_in_a_mixed_case_each_method_meets_what_its_modality_says(tmp_path: Path) -> None:
+    suite = _load(tmp_path, MIXED)
+    (case,) = suite.cases  # type: ignore[attr-defined]
+    met = {str(subject): list(suite.methods_for(case, subject)) for subject in case.subjects}  # type: ignore[attr-defined]
+    assert met == {"the ring 'ring'": ["two"], "the rectangle 'panel'": ["one"], "the LIDAR 'lidar'": ["scans"]}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ('modality = "mono"', "", r"features and for what the LIDAR 'lidar' measures, and method 'one' does not say"),
+        ('modality = "mono"', 'modality = "radar"', r"methods.one.modality: got 'radar', must be one of mono, stereo, lidar"),
+        ('modality = "mono"', 'modality = "stereo"', r"no method answers the rectangle 'panel'; one with modality = 'mono'"),
+        ('modality = "lidar"', 'modality = "mono"', r"methods.scans: model is granted to methods for scans, .* is 'mono'"),
+        ('modality = "stereo"', 'modality = "stereo"\naspect = true', r"methods.two: aspect is granted to methods for rectangles"),
+        ('modality = "mono"', 'modality = "mono"\nradius = true', r"methods.one: radius is granted to methods for rings"),
+        ('lidar = "lidar"', 'lidar = "ladar"', r"no LIDAR of the scenario is called 'ladar'; did you mean 'lidar'\?"),
+    ],
+)
+def test_each_mistake_of_a_mixed_case_is_a_sentence(tmp_path: Path, old: str, new: str, sentence: str) -> None:
+    assert old in MIXED
+    with pytest.raises(ConfigError, match=sentence):
+        _load(tmp_path, MIXED.replace(old, new))
+
+
+def test_standard_shows_one_trajectory_to_three_modalities_in_five_lights_from_three_ranges() -> None:
+    suite = load_suite("standard")
+    cases = {case.name: case for case in suite.cases}
+    lights, ranges = ("sun", "halogen", "grazing", "glint", "earthshine"), ("near", "mid", "far")
+    assert set(cases) == {f"{light}-{place}" for light in lights for place in ranges}
+    for name, case in cases.items():
+        assert [run.seed for run in case.runs] == [0, 1, 2]
+        assert [subject.modality for subject in case.subjects] == ["mono", "stereo", "lidar"]
+        alike = cases[f"sun-{name.partition('-')[2]}"].scenario
+        assert case.scenario.motion == alike.motion
+        assert case.scenario.target == alike.target
+    assert {name for name, method in suite.methods.items() if method.modality is None} == set()
+
+
+def test_quick_is_the_standard_in_small() -> None:
+    quick, standard = load_suite("quick"), load_suite("standard")
+    whole = {case.name: case for case in standard.cases}
+    for case in quick.cases:
+        assert case.scenario == whole[f"{case.name}-mid"].scenario
+    assert {name: standard.methods[name] for name in quick.methods} == quick.methods
