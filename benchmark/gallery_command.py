@@ -3,7 +3,7 @@
 import json
 import shlex
 from collections.abc import Iterator, Mapping
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import Any
 
 from scenes.config import list_library
@@ -33,9 +33,8 @@ def command(manifest: Manifest, frame: int, name: str) -> str:
 def _from_library(scenario: str) -> list[str]:
     """A library scenario and its overrides that give the manifest's, which is JSON; empty where there are none."""
     wanted = {key: value for key, value in json.loads(scenario).items() if key not in _OWN}
-    for name, plain in _library().items():
-        if plain.get("description") != wanted.get("description"):
-            continue
+    for name in (name for name, says in list_library("scenario").items() if says == wanted.get("description")):
+        plain = _plain(name, ())
         try:
             found = [f"{path}={value}" for path, value in _differences(plain, wanted, "")]
         except _InexpressibleError:
@@ -45,14 +44,8 @@ def _from_library(scenario: str) -> list[str]:
     return []
 
 
-@cache
-def _library() -> dict[str, Mapping[str, Any]]:
-    """Library scenarios as manifests have them, without what has options of its own."""
-    return {name: _plain(name, ()) for name in list_library("scenario")}
-
-
 def _plain(name: str, overrides: tuple[str, ...]) -> dict[str, Any]:
-    """A library scenario, resolved."""
+    """A library scenario, resolved, without what has options of its own."""
     plain = load_scenario(name, overrides).model_dump(mode="json")
     return {key: value for key, value in plain.items() if key not in _OWN}
 

@@ -61,6 +61,11 @@ class Reading:
         return np.asarray(np.isfinite(self.points_lidar).all(axis=1))
 
     @property
+    def parts(self) -> NDArray[Any]:
+        """(n,) number of the part that a beam met, 0 for none."""
+        return self.truth.get("part_id", np.zeros(len(self.strength), dtype=np.uint16))
+
+    @property
     def fates(self) -> NDArray[np.uint8]:
         """(n,) index in ``LEGEND``, 255 for a beam that meets nothing."""
         found = np.full(len(self.strength), 255, dtype=np.uint8)

@@ -124,7 +124,7 @@ def packed(reading: Reading) -> dict[str, Any]:
         "xyz": _base64(np.round((places - origin) / step).astype("<i2")),
         "strength": _base64(_strengths(reading.strength[shown], there)),
         "fate": _base64(fates[shown]),
-        "part": _base64(np.minimum(reading.truth["part_id"][shown], 255).astype(np.uint8)),
+        "part": _base64(np.minimum(reading.parts[shown], 255).astype(np.uint8)),
         "lost": _base64((~there).astype(np.uint8)),
     }
 
@@ -153,10 +153,10 @@ def _part_names(dataset: Dataset, lidar: str) -> list[str]:
 
 
 def _alternative(reading: Reading, rows: pd.DataFrame, drawn: int) -> str:
-    row, there = rows.iloc[0], reading.has_return
+    row, there = rows.iloc[0], reading.truth["reason"] == BeamFate.RETURN
     ranges = np.linalg.norm(reading.points_lidar[there], axis=1)
     far = f" between {ranges.min():.1f} and {ranges.max():.1f} m" if len(ranges) else ""
-    fates = np.bincount(reading.fates[~there & (reading.fates != 255)], minlength=len(LEGEND))
+    fates = np.bincount(reading.fates[~reading.has_return & (reading.fates != 255)], minlength=len(LEGEND))
     lost = ", ".join(f"{count} {name}" for count, (name, _) in zip(fates.tolist(), LEGEND) if count)
     target = f"; the target stands at {row['range_m']:.1f} m" if np.isfinite(row["range_m"]) else ""
     boxes = f"{drawn} answered pose{'s' if drawn != 1 else ''}" if drawn else "no answered pose"
