@@ -2,16 +2,19 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.spatial.transform import RigidTransform
 
-from benchmark.knowledge import declare
+from benchmark.knowledge import _single_camera, declare
 from scenes.dataset import Dataset
 from scenes.errors import UsageError
 from scenes.features import RectangleFeature
 from scenes.motion import Spin
+from scenes.recording import StereoPair
 
 FACING_DEG = (69.282, 69.282, -69.282)  # the panel's normal, target x, towards the camera
 
@@ -125,3 +128,11 @@ def test_a_feature_seen_from_behind_cannot_be_clicked(make_dataset: Callable[...
     for frame in (91, 180):
         with pytest.raises(UsageError, match=f"'panel' faces away from 'nav' in frame {frame}, so its corners cannot be clicked"):
             declare(dataset, "panel", frame=frame)
+
+
+def test_a_rectangle_is_looked_at_through_a_camera_of_no_rig_wherever_it_is_listed() -> None:
+    pair = StereoPair("eyes-left", "eyes-right", RigidTransform.identity())
+    sensors = dict.fromkeys(("eyes-left", "eyes-right", "wide"))
+    beside, alone = (SimpleNamespace(rigs={"eyes": pair}, sensors=dict(list(sensors.items())[:n])) for n in (3, 2))
+    assert _single_camera(beside) == "wide"  # type: ignore[arg-type]
+    assert _single_camera(alone) == "eyes-left"  # type: ignore[arg-type]
