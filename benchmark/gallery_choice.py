@@ -40,7 +40,7 @@ def choose(frames: pd.DataFrame, titles: Sequence[str], most: int = MOST_ITEMS) 
 def _queue(mine: pd.DataFrame) -> Iterator[Choice]:
     """The choices of one method in one modality, each frame once, each further one from another case where there is one."""
     answered = mine[mine["answered"]].sort_values("score", ascending=False, kind="stable")
-    by_case = answered.drop_duplicates("case")
+    by_case = answered.drop_duplicates("case").drop_duplicates(["frame", "geodesic_deg"])  # a LIDAR sees the same in any light
     if len(by_case):
         yield Choice("worst", by_case.iloc[0])
     lost = mine[~mine["answered"]].sort_values("others", ascending=False, kind="stable")

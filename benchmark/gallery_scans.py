@@ -42,32 +42,40 @@ class Scan3D:
 def choose_scans(frames: pd.DataFrame, answers: Answers, most: int = MOST_SCANS) -> tuple[pd.DataFrame, ...]:
     """At most ``most`` scans, of cases evenly spread: of each the worst answered frame among its scans with many returns.
 
-    Each scan is the pooled rows of its frame, a row a method. A case without any return is passed over.
+    Each scan is the pooled rows of its frame, a row a method. A case without any return is passed over, and so is a scan that
+    another case has just so, as a LIDAR sees the same in any light.
     """
-    cases = frames[frames["modality"] == "lidar"].groupby("case", sort=False)
-    scans = [scan for _, case in cases if (scan := _of(case, answers)) is not None]
-    if not scans:
+    cases = [
+        full for _, case in frames[frames["modality"] == "lidar"].groupby("case", sort=False) if len(full := _full(case, answers))
+    ]
+    if not cases:
         return ()
-    places = np.unique(np.linspace(0, len(scans) - 1, min(most, len(scans))).round().astype(int))
-    return tuple(scans[place] for place in places.tolist())
+    places = np.unique(np.linspace(0, len(cases) - 1, min(most, len(cases))).round().astype(int))
+    chosen, taken = [], set[tuple[float, ...]]()
+    for place in places.tolist():
+        full = cases[place]
+        fresh = full[[one not in taken for one in zip(full["frame"], full["range_m"], full["returns"])]]
+        if len(fresh):
+            worst = fresh["score"].fillna(-1.0).to_numpy(dtype=np.float64)
+            row = fresh.iloc[int(np.argmax(worst))]
+            taken.add((row["frame"], row["range_m"], row["returns"]))
+            chosen.append(full[full["frame"] == row["frame"]])
+    return tuple(chosen)
 
 
-def _of(case: pd.DataFrame, answers: Answers) -> pd.DataFrame | None:
-    """The rows of one scan of a case's first run; None where none has a return or the data set is not there."""
-    run = case[case["run"] == case["run"].iloc[0]]
+def _full(case: pd.DataFrame, answers: Answers) -> pd.DataFrame:
+    """The rows of a case's first run whose scans have many returns, which is a column; none where the data set is not there."""
+    run: pd.DataFrame = case[case["run"] == case["run"].iloc[0]]
     sensor = run["sensor"].iloc[0]
     run = run[run["sensor"] == sensor]
     try:
         truth = answers.dataset(run.iloc[0]).truth_table()
     except DatasetError:
-        return None
+        return run.iloc[:0]
     counted = truth[truth["sensor"] == sensor].set_index("frame")["returns"]
-    full = run[run["frame"].map(counted) >= max(1.0, _ENOUGH * float(counted.max()))]
-    if full.empty:
-        return None
-    worst = full["score"].fillna(-1.0).to_numpy(dtype=np.float64)
-    chosen: pd.DataFrame = run[run["frame"] == full["frame"].iloc[int(np.argmax(worst))]]
-    return chosen
+    run = run.assign(returns=run["frame"].map(counted))
+    full: pd.DataFrame = run[run["returns"] >= max(1.0, _ENOUGH * float(counted.max()))]
+    return full
 
 
 def scans_3d(chosen: Sequence[pd.DataFrame], answers: Answers, titles: Sequence[str], bases: Mapping[str, str]) -> Iterator[Scan3D]:

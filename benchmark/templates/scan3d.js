@@ -1,10 +1,10 @@
 "use strict";
-// Scans as points that can be turned. LIDAR axes: x right, y down, z forward; the first view is the LIDAR's own.
+// Scans as points that can be turned. LIDAR axes: x right, y down, z forward; yaw and pitch of 0 are the LIDAR's own view.
 (() => {
   const bytes = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
   const still = matchMedia("(prefers-reduced-motion: reduce)"), views = [];
   const EDGES = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
-  const AXES = ["x", "y", "z"], LEVELS = 32, TURN = Math.PI / 36, FEW = 8;
+  const AXES = ["x", "y", "z"], LEVELS = 32, ASIDE = [0.55, -0.3], TURN = Math.PI / 36, FEW = 8;
 
   const rgb = (colour) => colour.match(/[\d.]+/g).slice(0, 3).map(Number);
   const ramp = (stops) => Array.from({ length: LEVELS }, (_, level) => {
@@ -23,7 +23,8 @@
       this.unpack();
       this.colour = "strength";
       this.hidden = new Set();
-      this.reset();
+      this.zoom = 1;
+      [this.yaw, this.pitch] = ASIDE;
       this.listen();
     }
 
@@ -44,13 +45,14 @@
     }
 
     reset() {
-      this.turn(0, 0, true);
+      this.yaw = this.pitch = 0;
       this.zoom = 1;
+      this.draw();
     }
 
-    turn(yaw, pitch, fresh = false) {
-      this.yaw = fresh ? 0 : this.yaw + yaw;
-      this.pitch = fresh ? 0 : Math.max(-Math.PI / 2, Math.min(Math.PI / 2, this.pitch + pitch));
+    turn(yaw, pitch) {
+      this.yaw += yaw;
+      this.pitch = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, this.pitch + pitch));
       this.draw();
     }
 
@@ -89,14 +91,13 @@
       if (!does || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
       does();
-      this.draw();
     }
 
     press(button) {
       const what = button?.dataset.do;
       if (what === "closer") this.closer(1.25);
       else if (what === "away") this.closer(0.8);
-      else if (what === "reset") { this.reset(); this.draw(); }
+      else if (what === "reset") this.reset();
       else if (what === "spin") {
         this.spinning = !this.spinning;
         button.setAttribute("aria-pressed", String(this.spinning));

@@ -128,4 +128,10 @@ def test_scans_without_returns_are_passed_over(
 def test_scans_are_spread_over_the_cases(folder: Path, index: Results, make_lidar: Callable[..., Dataset]) -> None:
     frames = pool(folder, index)
     many = pd.concat([frames.assign(case=f"case{n}", run=f"case{n}") for n in range(9)], ignore_index=True)
-    assert [one["case"].iloc[0] for one in choose_scans(many, Answers(folder))] == ["case0", "case3", "case5", "case8"]
+    chosen = choose_scans(many, Answers(folder))
+    assert [one["case"].iloc[0] for one in chosen] == ["case0", "case3", "case5", "case8"]
+    frame_of = [int(one["frame"].iloc[0]) for one in chosen]
+    assert len(set(frame_of)) == 4  # these cases have the same scans: none is shown twice
+    score = frames.set_index("frame")["score"]
+    assert (np.diff(score[frame_of]) <= 0).all()
+    assert choose_scans(many[many["frame"] == 3], Answers(folder))[1:] == ()
