@@ -45,9 +45,8 @@ def choose_scans(frames: pd.DataFrame, answers: Answers, most: int = MOST_SCANS)
     Each scan is the pooled rows of its frame, a row a method. A case without any return is passed over, and so is a scan that
     another case has just so, as a LIDAR sees the same in any light.
     """
-    cases = [
-        full for _, case in frames[frames["modality"] == "lidar"].groupby("case", sort=False) if len(full := _full(case, answers))
-    ]
+    scanned = frames[frames["modality"] == "lidar"]
+    cases = [full for _, case in scanned.groupby("case", sort=False) if len(full := _full(case, answers))]
     if not cases:
         return ()
     places = np.unique(np.linspace(0, len(cases) - 1, min(most, len(cases))).round().astype(int))

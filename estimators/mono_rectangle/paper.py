@@ -63,7 +63,7 @@ class PaperRectangle:
             return self._failed(Outcome.NOT_CONVERGED, "the four lines are no rectangle seen from outside")
         self._vertices_px, self._band_px = vertices_px, self.parameters.band_px
         answer = self._rotation(vertices) * self._setting.rectangle.target_from_feature.inv()
-        return Estimate(self._setting.sensor_name, Outcome.OK, answer, extras=_extras(answer, vertices))
+        return Estimate(self._setting.sensor_name, Outcome.OK, answer, extras=self._extras(answer, vertices))
 
     def _rotation(self, vertices: Floats) -> Rotation:
         """Camera from feature, OpenCV axes: the paper's R_ct is not quite orthogonal, the rotation of its angles is."""
@@ -72,11 +72,13 @@ class PaperRectangle:
         angles = zyx_from_rotation(R_ct, self.parameters.gimbal_tolerance)
         return Rotation.from_matrix(PAPER_FROM_CV.T @ rotation_from_zyx(angles))
 
+    def _extras(self, cam_from_target: Rotation, vertices: Floats) -> dict[str, float]:
+        """The angles, the aspect ratio and where the corners were found, in ideal pixels."""
+        angles, lens = np.rad2deg(zyx_from_cam_rotation(cam_from_target)), self._setting.sensor.intrinsics
+        extras = {f"theta{i + 1}_deg": float(angle) for i, angle in enumerate(angles)} | {"aspect": float(aspect_ratio(vertices))}
+        corners_px = vertices * [lens.fx_px, lens.fy_px] + [lens.cx_px, lens.cy_px]
+        named = ((f"p{number}_{axis}_px", value) for number, one in enumerate(corners_px, 1) for axis, value in zip("xy", one))
+        return extras | {name: float(value) for name, value in named}
+
     def _failed(self, outcome: Outcome, reason: str) -> Estimate:
         return Estimate(self._setting.sensor_name, outcome, reason=reason)
-
-
-def _extras(cam_from_target: Rotation, vertices: Floats) -> dict[str, float]:
-    angles = np.rad2deg(zyx_from_cam_rotation(cam_from_target))
-    extras = {f"theta{i + 1}_deg": float(angle) for i, angle in enumerate(angles)}
-    return extras | {"aspect": float(aspect_ratio(vertices))}

@@ -166,6 +166,8 @@ def _line_extras(lines: list[Candidate | None]) -> dict[str, float]:
             extras[f"{name}_scale_px"] = line.fit.scale_px
             extras[f"{name}_support"] = line.fit.support
             extras[f"{name}_step_dn"] = line.fit.polarity * (line.fit.inner_dn - line.fit.outer_dn)
+            for end, (x_px, y_px) in enumerate(line.fit.ends_px.tolist()):
+                extras |= {f"{name}_x{end}_px": x_px, f"{name}_y{end}_px": y_px}
     return extras
 
 
