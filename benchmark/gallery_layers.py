@@ -94,7 +94,7 @@ def _radiance(radiance: Floats) -> Iterator[Layer]:
     small = _fitted(radiance)
     decades = np.log10(np.maximum(small, top * 10**-_DECADES) / top)
     picture = coloured(decades, -_DECADES, 0.0, small > 0, "inferno")
-    low, high = (f"{value:.2g}" for value in (top * 10**-_DECADES, top))
+    low, high = (np.format_float_positional(value, 2, fractional=False, trim="-") for value in (top * 10**-_DECADES, top))
     yield Layer("radiance", "Radiance", data_uri(picture, _GOOD), stops("inferno"), low, f"{high} W m⁻² sr⁻¹, logarithmic")
 
 

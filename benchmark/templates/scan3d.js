@@ -39,6 +39,9 @@
       const near = [...this.ranges].filter((_, i) => !this.lost[i]).sort((a, b) => a - b);
       this.least = near[Math.floor(near.length * 0.01)] ?? 0;
       this.most = near[Math.floor((near.length - 1) * 0.99)] ?? 1;
+      const met = new Map();
+      this.part.forEach((one, i) => { if (!this.lost[i]) met.set(one, (met.get(one) ?? 0) + 1); });
+      this.largest = [...met].sort((a, b) => b[1] - a[1]).map(([one]) => one); // as many parts as there are colours stand apart
       const poses = data.poses.map((pose) => ({ ...pose, corners: pose.corners.map((p) => p.map((v, k) => v - data.centre[k])), axes: pose.axes.map((p) => p.map((v, k) => v - data.centre[k])) }));
       this.poses = poses;
       this.radius = Math.max(0.1, ...poses[0].corners.map((p) => Math.hypot(...p)));
@@ -127,7 +130,7 @@
       const span = Math.max(this.most - this.least, 1e-6);
       return {
         strength: (i) => level(this.strength[i] / 255), range: (i) => level(1 - (this.ranges[i] - this.least) / span),
-        fate: (i) => theme.fate[this.fate[i]] ?? theme.ink, part: (i) => theme.part[this.part[i] % FEW],
+        fate: (i) => theme.fate[this.fate[i]] ?? theme.ink, part: (i) => theme.part[this.largest.indexOf(this.part[i])] ?? theme.ink,
       }[this.colour];
     }
 
@@ -206,12 +209,14 @@
         one.style.background = `linear-gradient(to right, ${stops.join(",")})`;
         return [low, one, high];
       };
-      const used = (values, keep) => [...new Set([...values].filter(keep))].sort((a, b) => a - b);
       this.legend.replaceChildren(...{
         strength: () => bar("weak ", " strong", theme.ramp),
         range: () => bar(`${this.least.toFixed(1)} m `, ` ${this.most.toFixed(1)} m`, [...theme.ramp].reverse()),
-        fate: () => used(this.fate, () => true).map((one) => swatch(theme.fate[one] ?? theme.ink, this.fates[one] ?? "nothing")),
-        part: () => used(this.part, (_, i) => !this.lost[i]).map((one) => swatch(theme.part[one % FEW], this.data.parts[one] ?? String(one))),
+        fate: () => [...new Set(this.fate)].sort((a, b) => a - b).map((one) => swatch(theme.fate[one] ?? theme.ink, this.fates[one] ?? "nothing")),
+        part: () => [
+          ...this.largest.slice(0, FEW).map((one, place) => swatch(theme.part[place], this.data.parts[one] ?? String(one))),
+          ...(this.largest.length > FEW ? [swatch(theme.ink, "other parts")] : []),
+        ],
       }[this.colour]());
     }
   }
