@@ -32,6 +32,7 @@ def bench(
     quality: Quality | None = None,
     stages: Stages = _silent,
     in_process: bool = False,
+    command: str = "",
 ) -> Results:
     """Runs ``suite`` into ``out`` and returns its index, which is also written there as results.json.
 
@@ -55,6 +56,7 @@ def bench(
     index = Results(
         title=suite.title,
         description=suite.description,
+        command=command,
         cases=tuple(_heading(case, run) for case, run in runs),
         entries=tuple(_entry(task, out) for task in tasks),
         published=suite.published,

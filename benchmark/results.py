@@ -2,9 +2,9 @@
 
 import json
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
@@ -12,7 +12,7 @@ from benchmark.judge import SUMMARY
 from benchmark.published import Published, PublishedFilter, PublishedRing
 from benchmark.suite import Note
 from benchmark.summary import Summary
-from scenes.spec import Spec
+from scenes.spec import Spec, is_empty
 
 INDEX = "results.json"
 
@@ -38,12 +38,13 @@ class CaseHeading(Spec):
 
 
 class Results(Spec):
-    """What a bench or a single judgement left behind."""
+    """What a bench or a single judgement left behind. ``command`` made it; empty where that is not known."""
 
     format: Literal["hardlight-results"] = "hardlight-results"
     version: Literal[1] = 1
     title: str
     description: str = ""
+    command: Annotated[str, Field(exclude_if=is_empty)] = ""
     cases: tuple[CaseHeading, ...]
     entries: tuple[Entry, ...]
     published: tuple[Published, ...] = ()

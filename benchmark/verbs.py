@@ -151,6 +151,7 @@ def judge(answers: Path, path: Path, out: Path, settle_s: float, console: Consol
 
     from benchmark import judge as judging
     from benchmark import predictions, results
+    from benchmark.made_by import command
     from benchmark.results import CaseHeading, Entry, Results
     from scenes.dataset import Dataset
 
@@ -166,7 +167,8 @@ def judge(answers: Path, path: Path, out: Path, settle_s: float, console: Consol
         scores=".",
     )
     title = f"{given.record.title} on {path.name}"
-    index = Results(title=title, cases=(CaseHeading(name=path.name),), entries=(entry,))
+    asked = command("judge", answers, path, "--out", out)
+    index = Results(title=title, command=asked, cases=(CaseHeading(name=path.name),), entries=(entry,))
     results.write(out, index)
     _rank(out, index, console)
     _print_table(out, index, console)
@@ -182,11 +184,15 @@ def demo(out: Path, workers: int, console: Console) -> None:
 def bench(suite: str, out: Path, workers: int, quality: str | None, in_process: bool, console: Console) -> None:
     """Runs a suite, ranks its methods, prints the tables, writes the page."""
     from benchmark import bench as benching
+    from benchmark.made_by import command, named
     from benchmark.suite import load_suite
 
     loaded, preset = load_suite(suite), _preset(quality)
     _warn_if_slow(console)
-    index = benching.bench(loaded, out, workers=workers, quality=preset, stages=console.stage, in_process=in_process)
+    asked = command("bench", named(suite), "--out", out, *([] if quality is None else ["--quality", quality]))
+    index = benching.bench(
+        loaded, out, workers=workers, quality=preset, stages=console.stage, in_process=in_process, command=asked
+    )
     _rank(out, index, console)
     _print_table(out, index, console)
     _report_anew(out, index, console)
