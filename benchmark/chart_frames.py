@@ -1,0 +1,85 @@
+"""The pooled frames as charts need them: the errors that are drawn, without an answer infinite, and what may be compared."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from benchmark.metrics import SPEED_POSITION, SPEED_ROTATION_RAD, WRONG_DEG
+from benchmark.pool import TRACK
+from benchmark.ring_scores import WRONG_OF_RANGE
+
+MOST_DIVISIONS = 3
+_NAMED = 3  # cases that a heading names before it only counts them
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quantity:
+    """An error to draw: its column, what it is called, its unit, and the lines that mark the SPEED threshold and a wrong answer."""
+
+    column: str
+    title: str
+    unit: str
+    speed: float
+    wrong: float
+
+    @property
+    def label(self) -> str:
+        """For an axis."""
+        return f"{self.title} ({self.unit})"
+
+
+ROTATION = Quantity("rotation", "rotation error", "deg", float(np.degrees(SPEED_ROTATION_RAD)), WRONG_DEG)
+POSITION = Quantity("position", "position error", "% of range", 100 * SPEED_POSITION, 100 * WRONG_OF_RANGE)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Division:
+    """Tracks that the same methods were asked for, so that their numbers may be compared: a title and all their frames."""
+
+    title: str
+    frames: pd.DataFrame
+
+
+def with_errors(frames: pd.DataFrame) -> pd.DataFrame:
+    """``frames`` with ``rotation`` (deg) and ``position`` (% of the range): infinite without an answer, NaN where none is asked.
+
+    An infinite error keeps a frame without an answer in every count and every median, as the ranking has it.
+    """
+    answered = frames["answered"].to_numpy(dtype=bool)
+    errors = {
+        ROTATION.column: frames["geodesic_deg"].to_numpy(dtype=np.float64),
+        POSITION.column: 100 * frames["position_error_m"].to_numpy(dtype=np.float64) / frames["range_m"].to_numpy(dtype=np.float64),
+    }
+    return frames.assign(**{name: np.where(answered & np.isfinite(error), error, np.inf) for name, error in errors.items()})
+
+
+def quantities(frames: pd.DataFrame) -> tuple[Quantity, ...]:
+    """The errors that these frames have: a rectangle of unknown size has no position."""
+    return tuple(one for one in (ROTATION, POSITION) if one is ROTATION or np.isfinite(frames[one.column]).any())
+
+
+def divisions(frames: pd.DataFrame, most: int = MOST_DIVISIONS) -> tuple[tuple[Division, ...], int]:
+    """The divisions with the most frames, the largest first, and how many more there are."""
+    asked = frames.groupby(TRACK, sort=False)["method"].transform(lambda names: "\0".join(sorted(set(names))))
+    sizes = asked.value_counts(sort=False).sort_values(ascending=False, kind="stable")
+    whole = len(sizes) == 1
+    chosen = [frames[asked == methods] for methods in sizes.index[:most]]
+    return tuple(Division("all cases" if whole else _cases(part), part) for part in chosen), max(0, len(sizes) - most)
+
+
+def by_method(frames: pd.DataFrame, places: dict[str, int]) -> Iterator[tuple[str, int, pd.DataFrame]]:
+    """(title, place, its frames) of each method that has some, in the order of the places."""
+    parts = dict(list(frames.groupby("method", sort=False)))
+    return ((title, place, parts[title]) for title, place in places.items() if title in parts)
+
+
+def listing(names: Sequence[str], most: int = _NAMED) -> str:
+    """The first ``most`` names, and how many more there are."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def _cases(frames: pd.DataFrame) -> str:
+    return listing(list(dict.fromkeys(frames["case"])))

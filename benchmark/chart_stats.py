@@ -1,0 +1,88 @@
+"""Statistics behind the charts: distribution functions, quantiles, bins and medians. A frame without an answer is infinite."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmark.figure import BOOTSTRAP_SEED
+from scenes.arrays import Floats
+
+Ints = NDArray[np.int64]
+
+CURVE_POINTS = 200
+_RESAMPLES = 200
+_FIGURES = 3  # significant figures within which two values of a condition are the same one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bins:
+    """``member`` (n,): each frame's bin, −1 for none; ``names``: one a bin; ``edges``: their borders, None for single values."""
+
+    member: Ints
+    names: tuple[str, ...]
+    edges: tuple[str, ...] | None
+
+
+def cdf(errors: Floats, most: int = CURVE_POINTS) -> tuple[Floats, Floats]:
+    """At most ``most`` points (error, share of ALL ``errors`` up to it) of the empirical distribution function.
+
+    Infinite errors count among all, so the curve ends at the share that was answered and not at one. Empty without an answer.
+    """
+    known = np.sort(errors[np.isfinite(errors)])
+    index = np.unique(np.linspace(0, known.size - 1, min(most, known.size)).round().astype(np.int64))
+    return known[index], (index + 1) / max(errors.size, 1)
+
+
+def quantile(errors: Floats, share: float) -> float:
+    """The quantile of ``errors`` (n,), linear between neighbours; infinite where it falls among the infinite ones, NaN for none."""
+    if errors.size == 0:
+        return float("nan")
+    ordered, at = np.sort(errors), share * (errors.size - 1)
+    low, high = ordered[int(np.floor(at))], ordered[int(np.ceil(at))]
+    return float(low if at == np.floor(at) else high if np.isinf(high) else low + (at % 1) * (high - low))
+
+
+def median_interval(errors: Floats) -> tuple[float, float]:
+    """95 % interval of the median by a circular block bootstrap as in ``metrics.bootstrap``, whose percentiles bear infinity.
+
+    (inf, inf) is possible: most frames have no answer. NaN for fewer than three frames.
+    """
+    if errors.size < 3:
+        return float("nan"), float("nan")
+    rng, length = np.random.default_rng(BOOTSTRAP_SEED), int(np.ceil(errors.size ** (1 / 3)))
+    starts = rng.integers(errors.size, size=(_RESAMPLES, -(-errors.size // length)))
+    chosen = ((starts[:, :, None] + np.arange(length)) % errors.size).reshape(_RESAMPLES, -1)[:, : errors.size]
+    low, high = np.quantile(np.median(errors[chosen], axis=1), [0.025, 0.975], method="inverted_cdf")
+    return float(low), float(high)
+
+
+def bins(values: Floats, most: int = 6) -> Bins:
+    """One bin for each value where there are at most ``most``, else bins of equal counts; NaN belongs to none."""
+    known = np.isfinite(values)
+    rounded = _rounded(values)
+    single = np.unique(rounded[known])
+    if single.size <= most:
+        names = tuple(f"{value:g}" for value in single)
+        return Bins(np.where(known, np.searchsorted(single, rounded), -1), names, None)
+    edges = np.unique(np.quantile(values[known], np.linspace(0, 1, most + 1)))
+    member = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    texts = tuple(f"{edge:.3g}" for edge in edges)
+    return Bins(np.where(known, member, -1), tuple(f"{low} to {high}" for low, high in pairwise(texts)), texts)
+
+
+def stretches(time_s: Floats, most: int) -> tuple[Ints, Floats]:
+    """(n,) which of at most ``most`` stretches of equally many instants each time falls in, and the middles of the stretches, s."""
+    instants = np.unique(time_s)
+    step = max(1, -(-instants.size // most))
+    groups = np.arange(instants.size) // step
+    middles = np.array([instants[groups == group].mean() for group in range(groups[-1] + 1)]) if instants.size else np.empty(0)
+    return groups[np.searchsorted(instants, time_s)], middles
+
+
+def _rounded(values: Floats) -> Floats:
+    """To ``_FIGURES`` significant figures; what is not finite stays."""
+    sizes = np.abs(np.where(np.isfinite(values) & (values != 0), values, 1.0))
+    scale = 10.0 ** (_FIGURES - 1 - np.floor(np.log10(sizes)))
+    return np.round(values * scale) / scale
