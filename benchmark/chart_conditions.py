@@ -75,7 +75,7 @@ def condition_charts(division: Division, places: dict[str, int], prefix: str) ->
         values = division.frames[condition.column].to_numpy(dtype=np.float64)
         if condition.varies(values):
             shared = bins(condition.scale * values)
-            for quantity in quantities(division.frames):
+            for quantity in quantities(division.frames) if len(shared.names) > 1 else ():
                 yield _chart(division, condition, quantity, shared, places, f"{prefix}{number}{quantity.column[0]}")
 
 
@@ -113,8 +113,9 @@ def _draw(upper: Axes, lower: Axes, one: Binned, place: int, aside: float, ends:
 
 def _axes(upper: Axes, lower: Axes, shared: Bins, condition: Condition, quantity: Quantity) -> None:
     count = len(shared.names)
-    dress(upper, "", quantity.label)
-    dress(lower, f"{condition.title} ({condition.unit})", "answered\n(%)")
+    dress(upper, "", quantity.label.replace(" error", ""))
+    dress(lower, f"{condition.title} ({condition.unit})", "answered (%)")
+    lower.yaxis.label.set_fontsize(7.5)
     lower.set_xlim(-0.5, count - 0.5)
     if shared.edges is None:
         lower.set_xticks(np.arange(count), shared.names)

@@ -14,6 +14,7 @@ Ints = NDArray[np.int64]
 CURVE_POINTS = 200
 _RESAMPLES = 200
 _FIGURES = 3  # significant figures within which two values of a condition are the same one
+_PLACES = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,16 +60,20 @@ def median_interval(errors: Floats) -> tuple[float, float]:
 
 
 def bins(values: Floats, most: int = 6) -> Bins:
-    """One bin for each value where there are at most ``most``, else bins of equal counts; NaN belongs to none."""
+    """One bin for each value where there are at most ``most``, else bins of about equal counts; NaN belongs to none.
+
+    No bin is empty. Values are told apart to ``_FIGURES`` significant figures and ``_PLACES`` decimal places, as they are printed;
+    where most are one value there may be a single bin.
+    """
     known = np.isfinite(values)
     rounded = _rounded(values)
     single = np.unique(rounded[known])
     if single.size <= most:
         names = tuple(f"{value:g}" for value in single)
         return Bins(np.where(known, np.searchsorted(single, rounded), -1), names, None)
-    edges = np.unique(np.quantile(values[known], np.linspace(0, 1, most + 1)))
-    member = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
-    texts = tuple(f"{edge:.3g}" for edge in edges)
+    edges = np.unique(np.quantile(rounded[known], np.linspace(0, 1, most + 1), method="nearest"))
+    member = np.clip(np.searchsorted(edges, rounded, side="right") - 1, 0, len(edges) - 2)
+    texts = tuple(f"{edge:g}" for edge in edges)
     return Bins(np.where(known, member, -1), tuple(f"{low} to {high}" for low, high in pairwise(texts)), texts)
 
 
@@ -82,7 +87,7 @@ def stretches(time_s: Floats, most: int) -> tuple[Ints, Floats]:
 
 
 def _rounded(values: Floats) -> Floats:
-    """To ``_FIGURES`` significant figures; what is not finite stays."""
+    """To ``_FIGURES`` significant figures and ``_PLACES`` decimal places; what is not finite stays."""
     sizes = np.abs(np.where(np.isfinite(values) & (values != 0), values, 1.0))
     scale = 10.0 ** (_FIGURES - 1 - np.floor(np.log10(sizes)))
-    return np.round(values * scale) / scale
+    return np.round(np.round(values * scale) / scale, _PLACES)

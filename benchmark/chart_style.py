@@ -23,7 +23,7 @@ DASHES: tuple[tuple[int, tuple[float, ...]], ...] = (
 _STYLE = {
     "svg.fonttype": "none", "svg.hashsalt": "chart", "font.size": 8.5, "path.simplify_threshold": 0.3, "text.parse_math": False,
 }  # fmt: skip
-_MARGINS_IN = (0.52, 0.08, 0.40, 0.10)  # left, right, below, above
+_MARGINS_IN = (0.58, 0.17, 0.40, 0.10)  # left, right, below, above
 
 
 @contextmanager

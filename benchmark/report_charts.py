@@ -16,7 +16,8 @@ __all__ = ["Chart", "ChartGroup", "charts"]
 
 MODALITIES = {"mono": "One camera", "stereo": "Stereo", "lidar": "LIDAR"}
 _LINES = "Dotted: SPEED's threshold, below which an error counts as none. Dashed: an answer that far off is wrong."
-_OVERVIEW = f"The median is over all frames, one without an answer being larger than any error. {_LINES}"
+_EDGE = "A bar that runs to the edge has its end among frames without an answer."
+_OVERVIEW = f"Medians are over all frames, one without an answer being larger than any error. {_EDGE} {_LINES}"
 _CDF = f"A curve ends at the share of frames that was answered: what is missing there to 100 % has no answer. {_LINES}"
 _TIME = (
     "Line: the median of the answers of a stretch of time and of all seeds; band: from the least to the largest. Points: single "
@@ -24,7 +25,7 @@ _TIME = (
 )
 _CONDITIONS = (
     "Median over all frames of a bin with its 95 % bootstrap interval, none where most frames have no answer; below, the answered "
-    f"share. Bins hold equally many frames, or one value each. {_LINES}"
+    f"share. Bins hold about equally many frames, or one value each. {_EDGE} {_LINES}"
 )
 _BY_DIVISION = (
     ("overview", "accuracy, availability and cost", _OVERVIEW, overview_charts),
