@@ -18,6 +18,7 @@ from benchmark.papers import papers
 from benchmark.pool import pool
 from benchmark.ranking import ranking
 from benchmark.report_board import boards
+from benchmark.report_charts import charts
 from benchmark.report_gallery import gallery
 from benchmark.report_lidar_pictures import LEGEND
 from benchmark.report_methods import method_views, slugs_of
@@ -42,6 +43,7 @@ _SECTIONS = (
     ("leaderboard", "Leaderboard"),
     ("methods", "Methods"),
     ("cases", "Cases"),
+    ("explore", "Explore"),
     ("gallery", "Failures"),
     ("papers", "Papers"),
     ("provenance", "Provenance"),
@@ -61,7 +63,8 @@ def _gathered(folder: Path) -> dict[str, Any]:
     titles = list(dict.fromkeys(entry.title for entry in index.entries))
     listed, frames = list(rows(folder, index)), pool(folder, index)
     found, of_papers, shelves = ranking(frames), papers(folder, index), gallery(folder, index, frames, titles)
-    absent = {name for name, there in (("papers", of_papers), ("gallery", shelves)) if not there}
+    drawn = charts(frames, titles)
+    absent = {name for name, there in (("papers", of_papers), ("gallery", shelves), ("explore", drawn)) if not there}
     return {
         "index": index,
         "made_by": index.command or UNKNOWN,
@@ -70,6 +73,7 @@ def _gathered(folder: Path) -> dict[str, Any]:
         "methods": method_views(folder, listed, frames, found, titles),
         "cases": views.cases(folder, index, listed, frames, titles),
         "constant": [row for row in listed if is_constant(row.summary)],
+        "charts": drawn,
         "gallery": shelves,
         "papers": of_papers,
         "slugs": slugs_of(titles),
