@@ -1,4 +1,4 @@
-"""The verbs that keep results and compare with kept ones, for ``benchmark.cli``."""
+"""The verbs that keep results, compare with kept ones, and say how good they could be, for ``benchmark.cli``."""
 
 # ruff: noqa: ARG001 - main reads --debug, because a verb that fails cannot
 
@@ -7,12 +7,14 @@ from typing import Annotated
 
 import typer
 
-from benchmark.cli_options import Debug, Quiet, example
+from benchmark.cli_options import Data, Debug, Out, Quiet, example
 from benchmark.console import Console
 
 Results = Annotated[Path, typer.Argument(metavar="DIR", help="The --out folder of bench.")]
 Reference = Annotated[Path, typer.Argument(metavar="REFERENCE", help="What hardlight archive kept, or a bench's --out folder.")]
 To = Annotated[Path, typer.Option("--to", help="Folder that takes it; replaced if it holds the same suite's archive.")]
+Frames = Annotated[str | None, typer.Option(help="Part of the data set's frames, START:STOP[:STEP], by their place in it.")]
+Given = Annotated[Path | None, typer.Option("--answers", help="Answers on the data set, to be held against the bound.")]
 
 
 def register(app: typer.Typer) -> None:
@@ -21,6 +23,8 @@ def register(app: typer.Typer) -> None:
     app.command(short_help="results → what is small of them, to be kept", epilog=archiving)(archive)
     comparing = example("hardlight reproduce results/zhai2014 out/zhai2014")
     app.command(short_help="a re-run against kept results", epilog=comparing)(reproduce)
+    bounding = example("hardlight bound data/in-plane --out out/bounds --answers answers/wing")
+    app.command(short_help="how well anybody could know the pose", epilog=bounding)(bound)
 
 
 def archive(folder: Results, target: To, debug: Debug = False) -> None:
@@ -35,3 +39,15 @@ def reproduce(reference: Reference, folder: Results, quiet: Quiet = False, debug
     from benchmark import verbs_results
 
     raise typer.Exit(verbs_results.reproduce(reference, folder, Console(quiet)))
+
+
+def bound(
+    dataset: Data, out: Out, frames: Frames = None, answers: Given = None, quiet: Quiet = False, debug: Debug = False
+) -> None:
+    """The Cramér-Rao bound on the pose of every picture and scan, from the rendered signal and the sensor's noise.
+
+    Pictures cost 24 renderings each. Shape, materials and light count as known: it is the limit of light and sensor.
+    """
+    from benchmark import verbs_bound
+
+    verbs_bound.bound(dataset, out, frames, answers, Console(quiet))

@@ -1,6 +1,6 @@
 """One camera takes one picture of a scene: radiance, exposure, detection, and the truth of what it sees."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -83,6 +83,20 @@ class Photographer:
         kept = {name: layer for name, layer in light.items() if name != "facing"}
         truth = self._truth(scene, view) | fractions(mask) | {"exposure_s": exposure_s}
         return Photograph(pixels, window, {**kept, **geometry, "mask": mask}, truth, exposure_s)
+
+    def mean_electrons(self, scene: Scene, framed: Scene, exposure_s: float, sampling_seed: int) -> NDArray[np.float32]:
+        """(h, w) mean photo-electrons of ``scene`` in the window of the frame ``framed``, sampled by the stream of a seed."""
+        window = self._view(framed, 0.0).window
+        view = replace(self._view(scene, exposure_s), window=window, seed=sampling_seed)
+        return self._exposed(view, inside(window, self._camera))[1] * np.float32(exposure_s)
+
+    def image_motion_px(self, cam_from_target: RigidTransform) -> Floats:
+        """(6,) pixels that the fastest of the target's outermost points moves, per rad of a turn and per metre of a shift."""
+        points, centre = cam_from_target.apply(self._points), cam_from_target.translation
+        here, tiny = self._camera.intrinsics.project(points), 1e-6
+        turned = [points + tiny * np.cross(axis, points - centre) for axis in np.eye(3)]
+        ends = [self._camera.intrinsics.project(one) for one in (*turned, *(points + tiny * axis for axis in np.eye(3)))]
+        return np.array([np.nanmax(np.linalg.norm(end - here, axis=1)) / tiny for end in ends])
 
     def _geometry(self, view: View, window: Window) -> Layers:
         """The geometry layers in ``window``, before a rig with what the other camera does not see."""

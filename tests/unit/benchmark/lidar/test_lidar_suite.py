@@ -123,7 +123,8 @@ def test_methods_for_features_and_for_a_lidar_are_told_apart(tmp_path: Path) -> 
     suite: Any = GOOD.replace('scenario = "tumble.toml"', 'scenario = { base = "tumble.toml", target = "zhai2014-target" }')
     with pytest.raises(ConfigError, match="features are measured by cameras, and the scenario has none"):
         _load(tmp_path, suite.replace("seeds = 3", 'features = ["wing"]'))
-    with pytest.raises(ConfigError, match="asks for features and for what the LIDAR 'lidar' measures, and method 'told' does not say"):
+    words = "asks for features and for what the LIDAR 'lidar' measures, and method 'told' does not say"
+    with pytest.raises(ConfigError, match=words):
         _load(tmp_path, suite.replace("seeds = 3", 'features = ["wing"]\nlidar = "lidar"'), CAMERA_AND_LIDAR)
     with pytest.raises(ConfigError, match="method 'told' is granted a model of the target, which is for a LIDAR"):
         _load(tmp_path, suite.replace("seeds = 3", 'features = ["wing"]'), CAMERA_AND_LIDAR)

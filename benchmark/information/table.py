@@ -1,0 +1,93 @@
+"""bounds.parquet: of each frame and sensor of a data set how well anybody could know the pose."""
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from benchmark.files import publish
+from benchmark.information.fisher import AXES, Bound
+from benchmark.information.pictures import PictureInformation
+from benchmark.information.scans import ScanInformation
+from scenes.arrays import Floats
+from scenes.dataset import Dataset
+from scenes.dataset_layout import POSE_COLUMNS
+from scenes.pose_columns import pose
+from scenes.scenario import Scenario
+
+BOUNDS = "bounds.parquet"
+UPPER = tuple(zip(*np.triu_indices(6)))
+Progress = Callable[[int, int], None]
+
+
+def bounds_table(dataset: Dataset, frames: Iterable[int] | None = None, progress: Progress | None = None) -> pd.DataFrame:
+    """A row per (frame, sensor): ``information_<a>_<b>`` (the upper triangle), ``sigma_<a>``, both in rad and m in the sensor's
+    axes, and their sums ``sigma_rotation_rad``, ``sigma_position_m``; NaN σ where the pose is undetermined.
+
+    Of a camera also ``*_rendered``, ``*_gain_and_offset`` and ``*_model_5`` (``PictureBounds``) and ``inflation``; of a LIDAR
+    ``beams`` and ``leverage``.
+    """
+    chosen = list(dataset.frames if frames is None else frames)
+    scenario, truth = Scenario.model_validate(dataset.scenario), dataset.truth_table().set_index(["frame", "sensor"])
+    makers = _makers(dataset, scenario, truth)
+    rows, total = [], len(chosen) * len(makers)
+    for frame in chosen:
+        for sensor, make in makers.items():
+            rows.append({"frame": frame, "sensor": sensor, **make(frame)})
+            if progress is not None:
+                progress(len(rows), total)
+    return pd.DataFrame(rows)
+
+
+def write(folder: Path, table: pd.DataFrame) -> None:
+    """Writes bounds.parquet."""
+    publish(folder, {BOUNDS: table.to_parquet(index=False)})
+
+
+def informations(table: pd.DataFrame) -> Floats:
+    """(n, 6, 6) information matrices of a table's rows."""
+    full = np.zeros((len(table), 6, 6))
+    for row, column in UPPER:
+        full[:, row, column] = full[:, column, row] = table[f"information_{AXES[row]}_{AXES[column]}"]
+    return full
+
+
+def _makers(dataset: Dataset, scenario: Scenario, truth: pd.DataFrame) -> dict[str, Callable[[int], dict[str, float]]]:
+    """For each sensor what gives a frame's row."""
+
+    def of_camera(name: str) -> Callable[[int], dict[str, float]]:
+        pictures = PictureInformation(scenario, name)
+        return lambda frame: _camera_row(pictures, frame, float(dataset.state(frame)["exposure_s"][name]))
+
+    def of_lidar(name: str) -> Callable[[int], dict[str, float]]:
+        scans = ScanInformation(scenario.target, scenario.lidars[name])
+        return lambda frame: _lidar_row(scans, dataset.scan_truth(frame, name), truth.loc[[(frame, name)]].iloc[0])
+
+    return {name: of_camera(name) for name in dataset.sensors} | {name: of_lidar(name) for name in dataset.lidars}
+
+
+def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> dict[str, float]:
+    found = pictures.bounds(frame, exposure_s)
+    row = dict(_columns(found.known)) | {"least_eigenvalue": found.known.least_eigenvalue, "inflation": found.inflation}
+    for name in ("rendered", "gain_and_offset", "model_5"):
+        variant: Bound = getattr(found, name)
+        row |= {f"sigma_rotation_rad_{name}": variant.rotation_rad, f"sigma_position_m_{name}": variant.position_m}
+    return row
+
+
+def _lidar_row(scans: ScanInformation, beams: dict[str, Any], truth: "pd.Series[Any]") -> dict[str, float]:
+    at_scan = pose({name: float(truth[f"scan_{name}"]) for name in POSE_COLUMNS})
+    found = scans.bound(beams, at_scan)
+    extra = {"beams": float(found.beams), "leverage": found.leverage, "least_eigenvalue": found.bound.least_eigenvalue}
+    return dict(_columns(found.bound)) | extra
+
+
+def _columns(found: Bound) -> Iterator[tuple[str, float]]:
+    for row, column in UPPER:
+        yield f"information_{AXES[row]}_{AXES[column]}", float(found.information[row, column])
+    for axis, sigma in zip(AXES, found.sigma, strict=True):
+        yield f"sigma_{axis}", float(sigma)
+    yield "sigma_rotation_rad", found.rotation_rad
+    yield "sigma_position_m", found.position_m
