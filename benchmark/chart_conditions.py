@@ -4,11 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 
+from benchmark.chart_draws import Draws, Places
 from benchmark.chart_frames import Division, Quantity, by_method, quantities
 from benchmark.chart_group import Chart
-from benchmark.chart_stats import Bins, bins, median_interval, quantile
+from benchmark.chart_stats import Bins, bins, quantile
 from benchmark.chart_style import canvas, dress, finished, log_axis, look, mark, span
 from benchmark.chart_words import NONE, amount, percent, told
 from scenes.arrays import Floats
@@ -56,10 +58,14 @@ class Binned:
     high: Floats
 
 
-def binned(errors: Floats, member: np.ndarray, count: int) -> Binned:
-    """``errors`` (n,) in ``count`` bins; ``member`` (n,) says which. Medians as in the ranking: no answer is the largest error."""
-    parts = [errors[member == number] for number in range(count)]
-    lows, highs = zip(*(median_interval(part) for part in parts))
+def binned(errors: Floats, member: np.ndarray, count: int, draws: Draws, places: Places) -> Binned:
+    """``errors`` (n,) in ``count`` bins; ``member`` (n,) says which, ``places`` (n,) which frames of the ``draws`` they are.
+
+    Medians as in the ranking: no answer is the largest error.
+    """
+    inside = [member == number for number in range(count)]
+    parts = [errors[here] for here in inside]
+    lows, highs = zip(*(draws.median_interval(errors[here], places[here]) for here in inside))
     return Binned(
         np.array([part.size for part in parts], dtype=np.float64),
         np.array([np.isfinite(part).mean() if part.size else np.nan for part in parts]),
@@ -83,7 +89,7 @@ def _chart(division: Division, condition: Condition, quantity: Quantity, shared:
            prefix: str) -> Chart:  # fmt: skip
     frames = division.frames.assign(bin=shared.member)
     table = {
-        title: (place, binned(part[quantity.column].to_numpy(dtype=np.float64), part["bin"].to_numpy(), len(shared.names)))
+        title: (place, _of_method(part, quantity, division.draws, len(shared.names)))
         for title, place, part in by_method(frames, places)
     }
     title = f"{quantity.title.capitalize()} against {condition.title}, {division.title}"
@@ -99,6 +105,11 @@ def _chart(division: Division, condition: Condition, quantity: Quantity, shared:
         _axes(upper, lower, shared, condition, quantity)
         svg = finished(figure, f"{prefix}-", f"{title}. {summary}")
     return Chart(title, svg, summary, _rows(table, shared, condition, quantity))
+
+
+def _of_method(part: pd.DataFrame, quantity: Quantity, draws: Draws, count: int) -> Binned:
+    errors = part[quantity.column].to_numpy(dtype=np.float64)
+    return binned(errors, part["bin"].to_numpy(), count, draws, part["place"].to_numpy())
 
 
 def _draw(upper: Axes, lower: Axes, one: Binned, place: int, aside: float, ends: tuple[float, float]) -> None:

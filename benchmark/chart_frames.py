@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from benchmark.chart_draws import Draws, draws_of
 from benchmark.metrics import SPEED_POSITION, SPEED_ROTATION_RAD, WRONG_DEG
 from benchmark.pool import TRACK
 from benchmark.ring_scores import WRONG_OF_RANGE
@@ -36,10 +37,14 @@ POSITION = Quantity("position", "position error", "% of range", 100 * SPEED_POSI
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Division:
-    """Tracks that the same methods were asked for, so that their numbers may be compared: a title and all their frames."""
+    """Tracks that the same methods were asked for, so that their numbers may be compared: a title and all their frames.
+
+    The frames' column ``place`` says which frame of the ``draws`` a row is; rows of all methods on one frame have the same.
+    """
 
     title: str
     frames: pd.DataFrame
+    draws: Draws
 
 
 def with_errors(frames: pd.DataFrame) -> pd.DataFrame:
@@ -66,7 +71,12 @@ def divisions(frames: pd.DataFrame, most: int = MOST_DIVISIONS) -> tuple[tuple[D
     sizes = asked.value_counts(sort=False).sort_values(ascending=False, kind="stable")
     whole = len(sizes) == 1
     chosen = [frames[asked == methods] for methods in sizes.index[:most]]
-    return tuple(Division("all cases" if whole else _cases(part), part) for part in chosen), max(0, len(sizes) - most)
+    return tuple(_division("all cases" if whole else _cases(part), part) for part in chosen), max(0, len(sizes) - most)
+
+
+def _division(title: str, frames: pd.DataFrame) -> Division:
+    draws, places = draws_of(frames)
+    return Division(title, frames.assign(place=places), draws)
 
 
 def by_method(frames: pd.DataFrame, places: dict[str, int]) -> Iterator[tuple[str, int, pd.DataFrame]]:

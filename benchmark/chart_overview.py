@@ -4,12 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 
 from benchmark.chart_frames import ROTATION, Division, Quantity, by_method, quantities
 from benchmark.chart_group import Chart
-from benchmark.chart_stats import median_interval, quantile
+from benchmark.chart_stats import quantile
 from benchmark.chart_style import canvas, dress, finished, log_axis, look, mark, span
 from benchmark.chart_words import NONE, amount, percent, told
 from benchmark.report_plots import INK
@@ -33,19 +32,20 @@ class Point:
 def overview_charts(division: Division, places: dict[str, int], prefix: str) -> Iterator[Chart]:
     """Availability against each median error, then CPU time against the median rotation error where it is known."""
     for quantity in quantities(division.frames):
-        points = list(_points(division.frames, quantity, places, "answered", 1.0))
+        points = list(_points(division, quantity, places, "answered", 1.0))
         yield _chart(division, quantity, points, places, f"{prefix}{quantity.column[0]}", is_cost=False)
-    costs = [point for point in _points(division.frames, ROTATION, places, "cpu_s", 1e3) if np.isfinite(point.against)]
+    costs = [point for point in _points(division, ROTATION, places, "cpu_s", 1e3) if np.isfinite(point.against)]
     if costs:
         yield _chart(division, ROTATION, costs, places, f"{prefix}c", is_cost=True)
 
 
-def _points(frames: pd.DataFrame, quantity: Quantity, places: dict[str, int], column: str, scale: float) -> Iterator[Point]:
-    for title, place, part in by_method(frames, places):
+def _points(division: Division, quantity: Quantity, places: dict[str, int], column: str, scale: float) -> Iterator[Point]:
+    for title, place, part in by_method(division.frames, places):
         errors, against = part[quantity.column].to_numpy(dtype=np.float64), part[column].to_numpy(dtype=np.float64)
         known = against[np.isfinite(against)]
         mean = scale * float(known.mean()) if known.size else float("nan")
-        yield Point(title, place, quantile(errors, 0.5), *median_interval(errors), mean)
+        interval = division.draws.median_interval(errors, part["place"].to_numpy())
+        yield Point(title, place, quantile(errors, 0.5), *interval, mean)
 
 
 def _chart(division: Division, quantity: Quantity, points: Sequence[Point], places: dict[str, int], prefix: str,

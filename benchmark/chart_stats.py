@@ -6,13 +6,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmark.figure import BOOTSTRAP_SEED
 from scenes.arrays import Floats
 
 Ints = NDArray[np.int64]
 
 CURVE_POINTS = 200
-_RESAMPLES = 200
 _FIGURES = 3  # significant figures within which two values of a condition are the same one
 _PLACES = 3
 
@@ -43,20 +41,6 @@ def quantile(errors: Floats, share: float) -> float:
     ordered, at = np.sort(errors), share * (errors.size - 1)
     low, high = ordered[int(np.floor(at))], ordered[int(np.ceil(at))]
     return float(low if at == np.floor(at) else high if np.isinf(high) else low + (at % 1) * (high - low))
-
-
-def median_interval(errors: Floats) -> tuple[float, float]:
-    """95 % interval of the median by a circular block bootstrap as in ``metrics.bootstrap``, whose percentiles bear infinity.
-
-    (inf, inf) is possible: most frames have no answer. NaN for fewer than three frames.
-    """
-    if errors.size < 3:
-        return float("nan"), float("nan")
-    rng, length = np.random.default_rng(BOOTSTRAP_SEED), int(np.ceil(errors.size ** (1 / 3)))
-    starts = rng.integers(errors.size, size=(_RESAMPLES, -(-errors.size // length)))
-    chosen = ((starts[:, :, None] + np.arange(length)) % errors.size).reshape(_RESAMPLES, -1)[:, : errors.size]
-    low, high = np.quantile(np.median(errors[chosen], axis=1), [0.025, 0.975], method="inverted_cdf")
-    return float(low), float(high)
 
 
 def bins(values: Floats, most: int = 6) -> Bins:

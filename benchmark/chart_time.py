@@ -17,7 +17,7 @@ from scenes.arrays import Bools, Floats
 
 MOST_PANELS = 12
 _WIDTH_IN, _ALONE_IN, _PAIRED_IN = 3.2, 1.6, 1.15
-_MOST = 60  # stretches of time of a line
+_MOST = 48  # stretches of time of a line
 _COLUMNS = 4  # stretches of time of the table
 _BAND = 0.075  # height of one method's row of failures, of the axes' height
 _FOOT = 0.3  # of a row, which stays free

@@ -8,11 +8,13 @@ import pandas as pd
 import pytest
 
 from benchmark.chart_conditions import binned
+from benchmark.chart_draws import Draws, draws_of
 from benchmark.chart_frames import divisions, quantities, with_errors
 from benchmark.chart_group import ChartGroup
-from benchmark.chart_stats import bins, cdf, median_interval, quantile
+from benchmark.chart_stats import bins, cdf, quantile
 from benchmark.chart_time import course, panels
 from benchmark.pool import COLUMNS
+from benchmark.ranking import ranking
 from benchmark.report import _environment
 from benchmark.report_charts import charts
 from scenes.arrays import Floats
@@ -28,7 +30,8 @@ def _track(method: str, errors_deg: Floats, modality: str = "mono", subject: str
     known = {
         "case": case, "run": f"{case}-seed0", "seed": 0.0, "subject": subject, "sensor": "nav", "modality": modality,
         "method": method, "frame": steps, "time_s": steps, "outcome": np.where(answered, "ok", "no_features"),
-        "answered": answered, "geodesic_deg": errors_deg,
+        "answered": answered, "wrong": answered & (errors_deg > 5.0), "geodesic_deg": errors_deg,
+        "speed_rotation": np.radians(errors_deg), "speed_position": 0.002 * errors_deg,
         "position_error_m": np.nan if modality == "mono" else 0.01 * errors_deg,
         "cpu_s": 0.02, "range_m": 5.0 + steps, "phase_angle_deg": 30.0 + 2 * steps, "lit_fraction": 1.0, "saturated_fraction": 0.0,
     }  # fmt: skip
@@ -85,7 +88,8 @@ def test_nobody_answering_gives_an_empty_distribution() -> None:
 
 def test_a_bins_median_counts_frames_without_an_answer_as_the_largest() -> None:
     errors = np.array([1.0, 3.0, np.inf, 2.0, np.inf, np.inf, 5.0, 7.0])
-    found = binned(errors, np.array([0, 0, 0, 1, 1, 1, 2, 2]), 4)
+    draws = Draws(np.ones((8, 5), dtype=np.uint16))
+    found = binned(errors, np.array([0, 0, 0, 1, 1, 1, 2, 2]), 4, draws, np.arange(8))
     assert found.median[0] == 3.0  # of 1, 3, none
     assert found.median[1] == np.inf  # of 2, none, none
     assert found.median[2] == 6.0
@@ -96,9 +100,47 @@ def test_a_bins_median_counts_frames_without_an_answer_as_the_largest() -> None:
 def test_quantiles_bear_infinity() -> None:
     assert quantile(np.array([1.0, np.inf]), 0.5) == np.inf
     assert quantile(np.array([1.0, 2.0, 4.0, np.inf]), 0.5) == 3.0
-    low, high = median_interval(np.array([1.0, 2.0, np.inf, np.inf, np.inf, 1.5]))
+    errors = np.array([1.0, 2.0, np.inf, np.inf, np.inf, 1.5])
+    counts = np.random.default_rng(0).multinomial(6, np.full(6, 1 / 6), size=400).T.astype(np.uint16)
+    low, high = Draws(counts).median_interval(errors, np.arange(6))
     assert low <= 2.0
     assert high == np.inf
+
+
+def test_an_interval_is_of_what_each_draw_took_of_the_part() -> None:
+    """Three frames of five, two draws by hand: 1, 1, 2 has the median 1; 2, 4 has 3; a draw of none of them says nothing."""
+    counts = np.array([[9, 9, 9], [2, 0, 0], [1, 1, 0], [0, 1, 0], [9, 9, 9]], dtype=np.uint16)
+    assert Draws(counts).median_interval(np.array([4.0, 1.0, 2.0]), np.array([3, 1, 2])) == (1.0, 3.0)
+    low, high = Draws(counts).median_interval(np.array([1.0, 2.0]), np.array([1, 2]))
+    assert np.isnan(low)
+    assert np.isnan(high)
+
+
+def test_a_method_has_one_interval_on_the_whole_page() -> None:
+    """The overview's median and interval are the leaderboard's, whatever the rows' order and with a track too short for blocks."""
+    noise = np.random.default_rng(1).lognormal(size=(3, 60))
+    tracks = [_track(method, noise[row], "stereo", case=case) for row, (method, case) in enumerate((("one", "b"), ("two", "b")))]
+    short = [_track(method, noise[2, :2], "stereo", case="a") for method in ("one", "two")]
+    frames = pd.concat(tracks + short, ignore_index=True)
+    frames = frames.sample(frac=1.0, random_state=2)
+    (expected,) = ranking(frames).divisions
+    ((part,), _) = divisions(with_errors(frames))
+    for standing in expected.methods:
+        mine = part.frames[part.frames["method"] == standing.method]
+        for column, scale, told in (
+            ("rotation", 1.0, standing.rotation_median_deg), ("position", 100.0, standing.position_median_share),
+        ):  # fmt: skip
+            assert told is not None
+            low, high = part.draws.median_interval(mine[column].to_numpy(), mine["place"].to_numpy())
+            assert (low, high) == pytest.approx((scale * told.low, scale * told.high))
+
+
+def test_rows_of_one_frame_have_one_place() -> None:
+    frames = pd.concat([_track("one", _errors()), _track("two", _errors()).iloc[::-1]], ignore_index=True)
+    draws, places = draws_of(frames)
+    assert draws.counts.shape == (_EVERY, 1000)
+    np.testing.assert_array_equal(places, np.concatenate([np.arange(_EVERY), np.arange(_EVERY)[::-1]]))
+    np.testing.assert_array_equal(draws.counts.sum(axis=0), _EVERY)
 
 
 def test_bins_hold_equally_many_frames_and_none_is_empty() -> None:
