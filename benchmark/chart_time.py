@@ -117,6 +117,9 @@ def _foot(axes: Axes, failing: dict[int, Course], ends: tuple[float, float]) -> 
         return
     low, high = ends
     share = (len(failing) + _FOOT) * _BAND
+    kept = [tick for tick in axes.get_yticks() if tick > 2 * low]  # one lower would run into the word below
+    axes.set_yticks(kept, [f"{tick:g}" for tick in kept])
+    axes.minorticks_off()
     axes.set_ylim(low / (high / low) ** (share / (1 - share)), high)
     axes.axhline(low, color=INK, linewidth=0.5, linestyle=(0, (2, 2)))
     axes.text(-0.02, share / 2, "none", transform=axes.transAxes, ha="right", va="center", color=INK, fontsize=7.5)
