@@ -41,6 +41,11 @@ class KeyframeMap:
         """The own frame is the one that is answered for."""
         return RigidTransform.identity()
 
+    @property
+    def holds_what_is_seen(self) -> bool:
+        """It grows with the view as long as scans are used."""
+        return True
+
     def begin(self, points_lidar: Floats) -> RigidTransform | str:
         """The first scan lies where it lies."""
         lidar_from_own = RigidTransform.from_translation(points_lidar.mean(axis=0))

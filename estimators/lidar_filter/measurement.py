@@ -54,6 +54,9 @@ class PoseFilter(Protocol):
     def lidar_from_target(self, chaser: ChaserState) -> RigidTransform:
         """The pose expected at ``chaser.time_s``, as where a registration may start. The filter stays as it is."""
 
+    def pose_sigma(self, chaser: ChaserState) -> tuple[float, float]:
+        """1σ of ``lidar_from_target`` now, along its worst axes: attitude (rad), and the target's origin (m)."""
+
     def extras(self) -> dict[str, float]:
         """States and their 1σ as named numbers, at the instant of the last call."""
 

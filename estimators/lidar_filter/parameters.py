@@ -73,8 +73,10 @@ class TrackParameters(Spec):
     """From scan to scan."""
 
     least_overlap: Fraction = 0.5  # a registration with fewer of its returns near the surface is not used
-    most_predictions: Count = 30  # scans in a row without a use after which there is no answer
-    lost_after: Count = 10  # registrations in a row that fail before a pose is looked for anew
+    most_predictions: Count = 30  # scans in a row without a use after which the target is lost
+    lost_after: Count = 3  # scans in a row that contradict the prediction, before a pose is looked for anew on a model
+    predicted_deg: Positive = 2.5  # 1σ of a predicted attitude beyond which it is no answer …
+    predicted_m: Positive = 0.3  # … and of a predicted position: two of them are a registration's reach
 
 
 class LidarParameters(Spec):

@@ -28,6 +28,10 @@ class Reference(Protocol):
     def target_from_own(self) -> RigidTransform:
         """Where the own frame lies in the frame that is answered for."""
 
+    @property
+    def holds_what_is_seen(self) -> bool:
+        """Whether a scan from a pose that is right fits it, or may show sides that are not in it."""
+
     def begin(self, points_lidar: Floats) -> RigidTransform | str:
         """lidar_from_own of a scan of which nothing is known beforehand; a sentence where it is not found, or not yet."""
 
@@ -61,6 +65,11 @@ class ModelReference:
     def target_from_own(self) -> RigidTransform:
         """The own frame is the target's, moved to the centroid."""
         return self._target_from_own
+
+    @property
+    def holds_what_is_seen(self) -> bool:
+        """A model holds every side."""
+        return True
 
     def begin(self, points_lidar: Floats) -> RigidTransform | str:
         """Looks over all attitudes."""
@@ -99,6 +108,11 @@ class FirstScan:
     def target_from_own(self) -> RigidTransform:
         """The method's own frame is the one that is answered for."""
         return RigidTransform.identity()
+
+    @property
+    def holds_what_is_seen(self) -> bool:
+        """It holds one side alone."""
+        return False
 
     def begin(self, points_lidar: Floats) -> RigidTransform | str:
         """The first scan lies where it lies: LIDAR axes, origin at its centroid."""

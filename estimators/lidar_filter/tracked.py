@@ -2,13 +2,15 @@
 
 Each scan: the filter predicts where the target is; the scan is freed of the motion during it; it is laid over the part of the
 reference that can be seen from there; the filter takes the pose in with the covariance that the registration states; a map learns
-the scan where the filter then has it. A scan that gives no pose is predicted, and said to be.
+the scan where the filter then has it. A scan that gives no pose is predicted, and said to be, as far as a ``Bridge`` carries; scans
+that contradict the prediction have the pose looked for anew.
 """
 
 from scipy.spatial.transform import RigidTransform
 
 from estimators.api import Estimate, Outcome
 from estimators.lidar_filter.answers import filter_extras, icp_extras, stated_covariance
+from estimators.lidar_filter.bridge import Bridge
 from estimators.lidar_filter.chaser import chaser_at
 from estimators.lidar_filter.clouds import Returns
 from estimators.lidar_filter.deskew import deskewed
@@ -39,9 +41,13 @@ class LidarEkf:
         self._is_lost = False
         self._restart()
 
+    @property
+    def _is_told_model(self) -> bool:
+        return self._p.reference in ("auto", "model") and self._setting.model is not None
+
     def _give_up(self) -> None:
         """Begins anew against a model. Without one the frame of the method's own is lost with the target, for good."""
-        self._is_lost = self._p.reference in ("map", "first") or self._setting.model is None
+        self._is_lost = not self._is_told_model
         self._restart()
 
     def _restart(self) -> None:
@@ -49,7 +55,7 @@ class LidarEkf:
         self._is_begun = False
         self._last: RigidTransform | None = None  # of the last registration, lidar_from_own
         self._history = History()
-        self._unused = 0  # scans in a row of which nothing was used
+        self._bridge = Bridge()
 
     def step(self, observation: Observation) -> Estimate:
         """One scan: predict, register, filter, learn."""
@@ -68,8 +74,14 @@ class LidarEkf:
         found = self._registered(points, start)
         watch.ends("icp")
         if isinstance(found, str):
-            return self._predicted(found, now, watch)
-        return self._followed(found, points, now, then, watch)
+            self._bridge.misses(self._reference.holds_what_is_seen and len(points) >= self._p.registration.least_points, False)
+            answer = self._predicted(found, now, watch)
+        else:
+            answer = self._followed(found, points, now, then, watch)
+        if self._is_told_model and self._bridge.is_contradicted(self._p.track):
+            self._restart()
+            return self._begin(returns, now, then, watch)
+        return answer
 
     def _begin(self, returns: Returns, now: ChaserState, then: ChaserState, watch: Stopwatch) -> Estimate:
         """The first pose, from one scan or a few."""
@@ -83,7 +95,8 @@ class LidarEkf:
         measured = PoseMeasurement(then.time_s, found.lidar_from_target, stated_covariance(found, self._p))
         self._filter.start(measured, now)
         self._history.measured(measured, self._reference.anchored(found.lidar_from_target), now)
-        self._is_begun, self._last, self._unused = True, found.lidar_from_target, 0
+        self._is_begun, self._last = True, found.lidar_from_target
+        self._bridge.follows()
         watch.ends("filter")
         return self._answer(now, icp_extras(found, self._reference.target_from_own) | {"predicted": 0.0}, watch)
 
@@ -111,8 +124,10 @@ class LidarEkf:
         watch.ends("filter")
         extras = icp_extras(found, self._reference.target_from_own) | dict(innovation.extras())
         if not innovation.accepted:
+            self._bridge.misses(contradicts=True, is_registered=True)
             return self._predicted("the registration lies farther from the prediction than both allow", now, watch, extras)
-        self._last, self._unused = found.lidar_from_target, 0
+        self._last = found.lidar_from_target
+        self._bridge.follows()
         self._history.measured(measured, self._reference.anchored(found.lidar_from_target), now)
         if self._reference.learn(points_lidar, self._filter.lidar_from_target(then)):
             self._history.tell(self._filter, self._reference)
@@ -121,14 +136,16 @@ class LidarEkf:
 
     def _predicted(self, reason: str, now: ChaserState, watch: Stopwatch, extras: dict[str, float] | None = None) -> Estimate:
         """A scan of which nothing was used: the filter goes on alone, but not for ever."""
-        self._unused += 1
         self._filter.predict(now)
         self._history.predicted(now)
         watch.ends("filter")
-        if self._unused > self._p.track.most_predictions:
-            failed = self._failed(Outcome.DIVERGED, f"nothing was used of {self._unused} scans: {reason}", watch.extras)
+        if self._bridge.unused > self._p.track.most_predictions:
+            failed = self._failed(Outcome.DIVERGED, f"nothing was used of {self._bridge.unused} scans: {reason}", watch.extras)
             self._give_up()
             return failed
+        broken = "" if self._filter.is_sound() else self._bridge.breaks(self._filter.pose_sigma(now), self._p.track)
+        if broken:
+            return self._failed(Outcome.NOT_CONVERGED, f"{broken}: {reason}", (extras or {}) | watch.extras)
         return self._answer(now, (extras or {}) | {"predicted": 1.0}, watch)
 
     def _answer(self, now: ChaserState, extras: dict[str, float], watch: Stopwatch) -> Estimate:

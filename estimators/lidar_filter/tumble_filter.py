@@ -19,7 +19,7 @@ from estimators.lidar_filter.measurement import Innovation, PoseMeasurement
 from estimators.lidar_filter.tumble_filter_parameters import TumbleParameters
 from estimators.lidar_filter.tumble_filter_prediction import predicted
 from estimators.lidar_filter.tumble_filter_state import STATES, TumbleState
-from estimators.lidar_filter.tumble_filter_update import View, updated
+from estimators.lidar_filter.tumble_filter_update import View, sensitivity, updated
 from scenes.arrays import Floats
 from scenes.recording import ChaserState
 
@@ -97,6 +97,14 @@ class TumbleFilter:
             return {}
         P = state.covariance[:STATES, :STATES]
         return tumble_extras(state.omega_rad_s, state.J, state.position_m, state.velocity_m_s, state.offset_m, P)
+
+    def pose_sigma(self, chaser: ChaserState) -> tuple[float, float]:
+        """1σ of ``lidar_from_target`` now, along its worst axes: attitude (rad), and the target's origin (m)."""
+        state, view = self.state, View.of(chaser, *self._mount)
+        H = sensitivity(view.rotation(state), view.lidar_from_lvlh, state.offset_m)[:, :STATES]
+        P = H @ state.covariance[:STATES, :STATES] @ H.T
+        rotation, position = (float(np.sqrt(np.linalg.eigvalsh(P[part, part])[-1])) for part in (slice(0, 3), slice(3, 6)))
+        return rotation, position
 
     def is_sound(self) -> str:
         """Empty, or one sentence that says how the filter diverged."""
