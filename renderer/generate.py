@@ -110,7 +110,7 @@ def _lidar(scenario: Scenario, name: str) -> dict[str, Any]:
         returns=lidar.returns,
         wavelength_nm=lidar.beam.wavelength_nm,
         parts=_parts(scenario),
-        reasons={fate.name.lower(): int(fate) for fate in BeamFate},
+        reasons={fate.name.lower(): int(fate) for fate in BeamFate if fate is not BeamFate.NO_SECOND or lidar.blocks > 1},
     )
 
 

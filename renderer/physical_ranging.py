@@ -30,7 +30,14 @@ def physical_reports(receiver: Receiver, echoes: Echoes, sun_w_m2_nm: float, see
     offered = candidates(model, found, beams, receiver.background_e(met, sun_w_m2_nm), lidar.gate_m, noise)
     for block, chosen in enumerate(_chosen(lidar.returns, offered)):
         _deliver(reports, block, receiver, offered, chosen, found, noise)
+    met_something = reports.fate[0] != BeamFate.NOTHING
+    reports.fate[1:, met_something] = _without_second(reports.fate[1:, met_something])
     return reports
+
+
+def _without_second(fate: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Fates of further blocks of beams that the first block says something of."""
+    return np.where(fate == BeamFate.NOTHING, np.uint8(BeamFate.NO_SECOND), fate)
 
 
 def _chosen(policy: str, offered: Candidates) -> list[NDArray[np.int64]]:

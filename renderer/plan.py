@@ -51,7 +51,7 @@ class Plan:
         hours, minutes = divmod(round(self.cpu_s / 60), 60)
         time = f"{hours} h {minutes} min" if hours else f"{minutes} min" if minutes else f"{max(self.cpu_s, 1):.0f} s"
         size = f"{self.disk_bytes / 1e9:.1f} GB" if self.disk_bytes > 1e9 else f"{max(self.disk_bytes / 1e6, 1):.0f} MB"
-        cameras = f"{self.sensors} cameras" if self.sensors or not self.scans else ""
+        cameras = f"{self.sensors} camera{'' if self.sensors == 1 else 's'}" if self.sensors or not self.scans else ""
         points = " + ".join(f"{beams:,}" for beams in self.scans)
         lidars = f"{len(self.scans)} LIDAR{'s' if len(self.scans) > 1 else ''} ({points} points)" if self.scans else ""
         sensors = " and ".join(text for text in (cameras, lidars) if text)

@@ -77,7 +77,7 @@ def _off_axis(lidar_from_target: RigidTransform) -> str:
 
 def _only_beyond_gate(one: Sounding) -> bool:
     counts = _counts(one)
-    return bool(counts[BeamFate.GATED] + counts[BeamFate.NOTHING] == counts.sum())
+    return bool(counts[[BeamFate.GATED, BeamFate.NOTHING, BeamFate.NO_SECOND]].sum() == counts.sum())
 
 
 def _warnings(name: str, tried: dict[int, Sounding]) -> Iterator[str]:

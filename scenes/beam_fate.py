@@ -7,13 +7,14 @@ class BeamFate(IntEnum):
     """Why a beam has a return or none."""
 
     RETURN = 0
-    NOTHING = 1  # the spot meets nothing (or, in a second block of rows, nothing else)
+    NOTHING = 1  # the spot meets nothing
     GATED = 2  # all that the spot meets lies outside of the gate
     GRAZING = 3  # too weak; the same surface would have been seen face on
     MIRROR = 4  # too weak; a matt surface of the same albedo would have been seen: the light went elsewhere
     DARK = 5  # too weak in any attitude: dark or far
     CUT_OFF = 6  # removed by the paper's dead zone at large angles
     FALSE_ALARM = 7  # a return of noise alone
+    NO_SECOND = 8  # only in a second block of rows: no second return; the first block says what became of the beam
 
 
 # Column of the truth table for each, beside ``returns``, which counts those that are not noise.

@@ -29,7 +29,7 @@ def test_a_plan_counts_scans():
 
 def test_cameras_and_lidars_stand_side_by_side_in_a_plan():
     both = _case(cameras={"cam": camera()}, lights={"sun": {"type": "sun", "direction": (0.0, 0.0, -1.0)}})
-    assert "8 frames × 1 cameras and 1 LIDAR (256 points)" in plan(both, ALL).sentence()
+    assert "8 frames × 1 camera and 1 LIDAR (256 points)" in plan(both, ALL).sentence()
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from renderer.again import cannot_compare, rerender
+from scenes.beam_fate import BeamFate
 from scenes.dataset import Dataset
 
 SCENARIO = """
@@ -79,6 +80,16 @@ def test_the_data_set_is_whole_and_its_scans_are_seen(rendered):
     assert np.ptp(seen.scans["raster"].time_s) == pytest.approx(0.5)
 
 
+def test_a_beam_without_a_second_return_says_so_and_one_that_meets_nothing_says_that(rendered):
+    dataset = Dataset.open(rendered)
+    first, second = dataset.scan_truth(3, "raster")["reason"].reshape(2, 40, 40)
+    assert np.array_equal(first == BeamFate.NOTHING, second == BeamFate.NOTHING)
+    assert {BeamFate.NOTHING, BeamFate.NO_SECOND} <= set(second.ravel())
+    assert BeamFate.NO_SECOND not in first
+    told = {name: one["reasons"].get("no_second") for name, one in dataset.manifest.lidars.items()}
+    assert told == {"nav": None, "raster": BeamFate.NO_SECOND}
+
+
 def test_frames_scanned_again_are_equal_bit_by_bit(rendered):
     dataset = Dataset.open(rendered)
     assert cannot_compare(dataset) == ""
@@ -115,7 +126,7 @@ def test_cameras_and_lidars_share_one_truth(tmp_path):
     path.write_text(SCENARIO + CAMERA)
     done = hardlight("render", path, "--out", tmp_path / "both", "--frames", "0:2", "--quality", "draft", "--workers", "1")
     assert done.returncode == 0, done.stderr
-    assert "2 frames × 1 cameras and 2 LIDARs" in done.stderr
+    assert "2 frames × 1 camera and 2 LIDARs" in done.stderr
     dataset = Dataset.open(tmp_path / "both")
     seen = dataset.observation(1)
     assert (seen.images.keys(), seen.scans.keys()) == ({"cam"}, {"nav", "raster"})
