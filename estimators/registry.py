@@ -11,6 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from estimators.api import Estimator
+from estimators.refusals import refusal
 from scenes.errors import UsageError, unknown
 
 GROUP = "hardlight.estimators"
@@ -71,12 +72,4 @@ def _built(name: str, factory: Callable[..., object], parameters: dict[str, obje
     try:
         return factory(**parameters)
     except (TypeError, ValueError) as error:
-        given = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "no parameters"
-        raise UsageError(f"method {name!r} refuses {given}: {_sentence(error)}") from error
-
-
-def _sentence(error: Exception) -> str:
-    """The error on one line; a pydantic error names each parameter with its fault."""
-    if hasattr(error, "errors"):
-        return "; ".join(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}" for fault in error.errors())
-    return " ".join(str(error).split())
+        raise UsageError(f"method {name!r} refuses {refusal(error, factory, parameters)}") from error

@@ -7,6 +7,7 @@ import numpy as np
 from estimators.lidar_filter.chaser import at_rest, chaser_at
 from estimators.lidar_filter.clouds import Returns, returns_of
 from estimators.lidar_filter.registration_noise import Noise
+from estimators.told import sensors_of
 from scenes.recording import ChaserState, Knowledge, LidarModel, ModelCloud, Observation
 
 _UNIFORM = 1 / np.sqrt(12)  # 1σ of a place within a beam, of the beam's width
@@ -35,6 +36,6 @@ class Setting:
 def setting_from(knowledge: Knowledge) -> Setting:
     """Raises ``ValueError`` where no LIDAR is told of. Of several the first is answered for."""
     if not knowledge.lidars:
-        raise ValueError("this method registers scans and needs a LIDAR; the knowledge names none")
+        raise ValueError(f"this method registers scans of a LIDAR; there are {sensors_of(knowledge)}")
     name, lidar = next(iter(knowledge.lidars.items()))
     return Setting(name, lidar, Noise(lidar.range_sigma_m, _UNIFORM * lidar.divergence_rad), knowledge.model)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.mono_rectangle.quadrilateral import edge_ends
+from estimators.told import sensors_of
 from scenes.arrays import Floats
 from scenes.recording import CornerPrior, Knowledge, Observation, Rectangle, SensorModel
 
@@ -43,7 +44,10 @@ class Setting:
 def setting_from(knowledge: Knowledge) -> Setting:
     """The checked setting. Raises ``ValueError`` naming what is missing."""
     if knowledge.rectangle is None:
-        raise ValueError("a rectangle method needs Knowledge.rectangle: which feature of the target to look for")
+        raise ValueError(
+            "this method measures a rectangle with one camera, and no Knowledge.rectangle is told: name a rectangle of the target "
+            f"with --feature; there are {sensors_of(knowledge)}"
+        )
     if knowledge.corner_prior is None:
         raise ValueError("a rectangle method needs Knowledge.corner_prior: the four corners in the first frame")
     name = knowledge.corner_prior.sensor

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
 from estimators.stereo_ring.rig import Rig, rig_from_knowledge
+from estimators.told import sensors_of
 from scenes.intrinsics import Intrinsics
 from scenes.recording import Knowledge, Observation, Ring, SensorModel
 
@@ -47,7 +48,10 @@ class Setting:
 def setting_from(knowledge: Knowledge) -> Setting:
     """The checked setting. Raises ``ValueError`` naming what is missing."""
     if knowledge.ring is None:
-        raise ValueError("a ring method needs Knowledge.ring: which circle of the target to look for")
+        raise ValueError(
+            "this method measures a ring with the two cameras of a stereo rig, and no Knowledge.ring is told: name a circle of the "
+            f"target with --feature; there are {sensors_of(knowledge)}"
+        )
     rig = rig_from_knowledge(knowledge)
     if knowledge.pair is None:  # rig_from_knowledge has refused it; said again for the type
         raise ValueError("a stereo method needs Knowledge.pair")
