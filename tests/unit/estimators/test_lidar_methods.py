@@ -74,6 +74,8 @@ def test_without_a_model_the_answer_stays_fixed_to_the_target() -> None:
     gauge = poses()[0].inv() * pose_of(given[0])
     errors = np.array([off(answer, frame, gauge) for frame, answer in enumerate(given)])
     assert errors[:, 0].max() < 3.0
+    assert np.percentile(errors[:, 0], 95) < 2.5  # 2.3° of 96 beams over 11°; 0.3° on song2017's target with 128 over 10°
+    assert np.percentile(errors[:, 1], 95) < 0.04
     assert errors[:, 1].max() < 0.2
     assert off(given[0], SECONDS - 1, gauge)[0] > 30.0
 
