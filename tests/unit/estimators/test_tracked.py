@@ -202,7 +202,7 @@ def test_what_it_must_be_told():
     assert isinstance(method, Estimator)
     sensors = {"cam": SensorModel(INTRINSICS, 6.0, 255.0)}
     rectangle = Rectangle("wing", Rotation.identity())
-    with pytest.raises(ValueError, match="which feature"):
+    with pytest.raises(ValueError, match="name a rectangle of the target with --feature; there are the camera 'cam'"):
         method.start(Knowledge(sensors))
     with pytest.raises(ValueError, match="corner_prior"):
         method.start(Knowledge(sensors, rectangle))
