@@ -76,9 +76,11 @@ def _files(folder: Path, index: Results, datasets: dict[str, Dataset]) -> Iterat
 
 
 def _command(index: Results) -> str:
-    """The bench of the library's suite that has the results' description, empty where none has."""
+    """What made the results; of those that do not say, the bench of the library's suite with their description, or nothing."""
     from scenes.config import list_library
 
+    if index.command:
+        return index.command
     names = [name for name, description in list_library("suites").items() if index.description and description == index.description]
     return f"hardlight bench {names[0]} --out out/{names[0]}" if names else ""
 

@@ -1,6 +1,6 @@
 """The pooled frames as charts need them: the errors that are drawn, without an answer infinite, and what may be compared."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,11 +8,11 @@ import pandas as pd
 
 from benchmark.chart_draws import Draws, draws_of
 from benchmark.metrics import SPEED_POSITION, SPEED_ROTATION_RAD, WRONG_DEG
-from benchmark.pool import TRACK
+from benchmark.ranking_cells import some
+from benchmark.ranking_table import divided
 from benchmark.ring_scores import WRONG_OF_RANGE
 
 MOST_DIVISIONS = 3
-_NAMED = 3  # cases that a heading names before it only counts them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,11 +67,9 @@ def quantities(frames: pd.DataFrame) -> tuple[Quantity, ...]:
 
 def divisions(frames: pd.DataFrame, most: int = MOST_DIVISIONS) -> tuple[tuple[Division, ...], int]:
     """The divisions with the most frames, the largest first, and how many more there are."""
-    asked = frames.groupby(TRACK, sort=False)["method"].transform(lambda names: "\0".join(sorted(set(names))))
-    sizes = asked.value_counts(sort=False).sort_values(ascending=False, kind="stable")
-    whole = len(sizes) == 1
-    chosen = [frames[asked == methods] for methods in sizes.index[:most]]
-    return tuple(_division("all cases" if whole else _cases(part), part) for part in chosen), max(0, len(sizes) - most)
+    parts = sorted(divided(frames), key=len, reverse=True)
+    whole = len(parts) == 1
+    return tuple(_division("all cases" if whole else _cases(part), part) for part in parts[:most]), max(0, len(parts) - most)
 
 
 def _division(title: str, frames: pd.DataFrame) -> Division:
@@ -85,11 +83,5 @@ def by_method(frames: pd.DataFrame, places: dict[str, int]) -> Iterator[tuple[st
     return ((title, place, parts[title]) for title, place in places.items() if title in parts)
 
 
-def listing(names: Sequence[str], most: int = _NAMED) -> str:
-    """The first ``most`` names, and how many more there are."""
-    more = len(names) - most
-    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
-
-
 def _cases(frames: pd.DataFrame) -> str:
-    return listing(list(dict.fromkeys(frames["case"])))
+    return some(list(dict.fromkeys(frames["case"])))

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmark.ranking_bootstrap import plain_quantiles
 from scenes.arrays import Floats
 
 Ints = NDArray[np.int64]
@@ -38,9 +39,7 @@ def quantile(errors: Floats, share: float) -> float:
     """The quantile of ``errors`` (n,), linear between neighbours; infinite where it falls among the infinite ones, NaN for none."""
     if errors.size == 0:
         return float("nan")
-    ordered, at = np.sort(errors), share * (errors.size - 1)
-    low, high = ordered[int(np.floor(at))], ordered[int(np.ceil(at))]
-    return float(low if at == np.floor(at) else high if np.isinf(high) else low + (at % 1) * (high - low))
+    return float(plain_quantiles(errors, (share,))[0])
 
 
 def bins(values: Floats, most: int = 6) -> Bins:

@@ -12,7 +12,9 @@ from benchmark.filter_gauge import Gauge
 from benchmark.filter_states import AXES
 from benchmark.predictions import rotations
 from scenes.arrays import Floats
+from scenes.dataset_layout import POSE_COLUMNS
 from scenes.inertia import MassProperties, components_of
+from scenes.pose_columns import pose
 
 _SCAN = ("scan_qw", "scan_qx", "scan_qy", "scan_qz"), ("scan_tx_m", "scan_ty_m", "scan_tz_m")
 
@@ -78,3 +80,12 @@ def _omega(truth: pd.DataFrame, own_from_body: RigidTransform | None, own_from_t
 
 def _columns(truth: pd.DataFrame, names: tuple[str, ...]) -> Floats:
     return np.array(truth.reindex(columns=list(names)), dtype=np.float64)
+
+
+def scan_pose(row: Mapping[str, float]) -> RigidTransform | None:
+    """lidar_from_target at the scan's reference instant, at the frame's time where the truth has no other, None without one."""
+    for prefix in ("scan_", ""):
+        columns = {name: float(row.get(f"{prefix}{name}", np.nan)) for name in POSE_COLUMNS}
+        if np.isfinite(list(columns.values())).all():
+            return pose(columns)
+    return None

@@ -7,7 +7,8 @@ from typing import Literal
 
 import pandas as pd
 
-MODALITIES = ("mono", "stereo", "lidar")
+from benchmark.subjects import NAMES
+
 MOST_ITEMS = 30
 Kind = Literal["worst", "unanswered", "wrong", "more"]
 _PLACE = ["run", "subject", "sensor", "frame"]
@@ -31,7 +32,7 @@ def choose(frames: pd.DataFrame, titles: Sequence[str], most: int = MOST_ITEMS) 
     known = frames.assign(others=0 if others is None else others.astype(float))
     known = known.assign(score=known["score"].fillna(known["speed_rotation"]))
     order = list(dict.fromkeys([*titles, *frames["method"]]))
-    methods = [known[(known["modality"] == one) & (known["method"] == title)] for one in MODALITIES for title in order]
+    methods = [known[(known["modality"] == one) & (known["method"] == title)] for one in NAMES for title in order]
     queues = [list(_queue(mine)) for mine in methods if len(mine)]
     turns = (choice for turn in zip_longest(*queues) for choice in turn if choice is not None)
     return tuple(choice for choice, _ in zip(turns, range(most)))

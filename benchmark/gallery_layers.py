@@ -4,13 +4,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmark.gallery_window import Window
-from benchmark.report_pictures import data_uri, fitted
+from benchmark.report_pictures import bgr, data_uri, fitted
 from benchmark.report_ring_pictures import LIGHT_STATES
 from scenes.arrays import Bools, Floats
 
@@ -80,18 +79,12 @@ def stops(colours: str) -> tuple[str, ...]:
     return tuple(f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in sampled.tolist())
 
 
-def bgr(colour: str) -> tuple[int, int, int]:
-    """#rrggbb as OpenCV has it."""
-    red, green, blue = (int(colour[place : place + 2], 16) for place in (1, 3, 5))
-    return blue, green, red
-
-
 def _radiance(radiance: Floats) -> Iterator[Layer]:
     """Logarithmic from the brightest of almost all pixels down; nothing where all is dark."""
     top = float(np.percentile(radiance[radiance > 0], 99.9)) if (radiance > 0).any() else 0.0
     if top <= 0:
         return
-    small = _fitted(radiance)
+    small = fitted(radiance, WIDEST_PX)
     decades = np.log10(np.maximum(small, top * 10**-_DECADES) / top)
     picture = coloured(decades, -_DECADES, 0.0, small > 0, "inferno")
     low, high = (np.format_float_positional(value, 2, fractional=False, trim="-") for value in (top * 10**-_DECADES, top))
@@ -104,14 +97,6 @@ def _depth(z_m: NDArray[Any]) -> Layer:
     picture = coloured(z_m.astype(np.float64), near, far, there, "viridis_r")
     digits = 2 if far - near < 10 else 1
     return Layer("depth", "Depth", data_uri(picture, _GOOD), stops("viridis_r"), f"{near:.{digits}f} m", f"{far:.{digits}f} m")
-
-
-def _fitted(values: Floats) -> Floats:
-    """Means over areas where the picture is wider than a layer may be."""
-    height, width = values.shape
-    if width <= WIDEST_PX:
-        return values
-    return np.asarray(cv2.resize(values, (WIDEST_PX, max(1, round(height * WIDEST_PX / width))), interpolation=cv2.INTER_AREA))
 
 
 def _thinned(values: NDArray[Any]) -> NDArray[Any]:

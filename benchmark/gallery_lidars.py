@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from scipy.spatial.transform import RigidTransform
 
+from benchmark.filter_truth import scan_pose
 from benchmark.gallery_answers import Answers, Said
 from benchmark.gallery_item import View
-from benchmark.gallery_layers import SKY, Layer, bgr, coloured, stops
+from benchmark.gallery_layers import SKY, Layer, coloured, stops
 from benchmark.gallery_outlines import Shape, silhouette
 from benchmark.gallery_window import Window
 from benchmark.report_lidar_pictures import EDGE, FATES, LEGEND
-from benchmark.report_pictures import data_uri
+from benchmark.report_pictures import bgr, data_uri
 from scenes.arrays import Floats
 from scenes.beam_fate import BeamFate
 from scenes.dataset import Dataset
 from scenes.intrinsics import Intrinsics
 from scenes.lidar import Lidar
-from scenes.pose_columns import pose
 from scenes.recording import Scan
 
 EDGE_SHARE = 0.98  # of a beam's energy on one surface, below which an edge cuts the beam
@@ -53,7 +53,9 @@ class Reading:
         truth = {name: values[:rows].reshape(count, *values.shape[2:]) for name, values in dataset.scan_truth(frame, lidar).items()}
         points = scan.points_lidar[:rows].reshape(count, 3).astype(np.float64)
         strength = scan.intensity[:rows].reshape(count).astype(np.float64)
-        return cls(beams.reshape(count, 3), points, strength, truth, _at_scan(dataset.truth(frame).row[lidar]))
+        true = scan_pose(dataset.truth(frame).row[lidar])
+        assert true is not None  # every row of the truth table has a pose
+        return cls(beams.reshape(count, 3), points, strength, truth, true)
 
     @property
     def has_return(self) -> NDArray[np.bool_]:
@@ -140,9 +142,3 @@ def _pinhole(points_lidar: Floats) -> Intrinsics:
     height = max(2, round(float(2 * half[1] * focal_px)))
     centre = np.array([(_WIDE_PX - 1) / 2, (height - 1) / 2]) - focal_px * middle
     return Intrinsics(_WIDE_PX, height, focal_px, focal_px, float(centre[0]), float(centre[1]))
-
-
-def _at_scan(row: Mapping[str, float]) -> RigidTransform:
-    """lidar_from_target in the middle of the scan, at the frame's time where the truth has no other."""
-    scanned = {name.removeprefix("scan_"): value for name, value in row.items() if name.startswith("scan_")}
-    return pose(scanned) if scanned and np.isfinite(list(scanned.values())).all() else pose(row)

@@ -9,18 +9,16 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform
 
 from benchmark.gallery_window import Window
-from benchmark.ring_ellipses import measured_ellipse
-from estimators.stereo_ring.conics import Ellipse
+from benchmark.report_pictures import CYCLIC, outline
+from benchmark.ring_ellipses import distorted, measured_ellipse, on_ellipse
 from scenes.arrays import Floats
 from scenes.features import CircleFeature, Feature, RectangleFeature
 from scenes.intrinsics import Intrinsics
 from scenes.solids import Solid
 
-_CYCLIC = [0, 1, 3, 2]  # corners P1 … P4 lie in Z-order
 _SHIFT = 4  # bits of a pixel's fraction in OpenCV's drawing
 _CANVAS_PX, _FAR_PX = 720, 30000  # of a silhouette: across; beyond, OpenCV's fixed point would overflow
 _FINEST_PX, _SPECK_PX2 = 0.4, 6.0  # of the canvas: what a contour may leave out
-_POINTS = 72  # of an ellipse
 _EDGES = ("p1p2", "p3p4", "p1p3", "p2p4")
 
 
@@ -65,9 +63,8 @@ def _fill(canvas: NDArray[np.uint8], triangles: Floats) -> None:
 
 def feature_points(feature: Feature) -> Floats:
     """(n, 3) around a feature, target frame, metres: a rectangle's corners, a circle, a marker's centre."""
-    if isinstance(feature, RectangleFeature):
-        return feature.corners_target[_CYCLIC]
-    return feature.points_target(_POINTS) if isinstance(feature, CircleFeature) else np.array([feature.centre_m])
+    points = outline(feature)
+    return points[CYCLIC] if isinstance(feature, RectangleFeature) else points
 
 
 def outlined(feature: Feature, cam_from_target: RigidTransform, lens: Intrinsics, window: Window) -> str:
@@ -87,11 +84,11 @@ def detected(extras: Mapping[str, float], view: str, lens: Intrinsics, window: W
     ``view``: left or right of an ellipse. Edges are ``p1p2_x0_px p1p2_y0_px p1p2_x1_px p1p2_y1_px`` …, corners ``p1_x_px`` ….
     """
     ellipse = measured_ellipse(extras, view)
-    paths = [] if ellipse is None else [closed(window.svg(distorted(on_ellipse(ellipse), lens)))]
+    paths = [] if ellipse is None else [closed(window.svg(on_ellipse(ellipse, lens)))]
     for edge in _EDGES:
         ends = _pair(extras, f"{edge}_x0_px", f"{edge}_y0_px", f"{edge}_x1_px", f"{edge}_y1_px")
         paths.append(stroke(window.svg(distorted(ends, lens))))
-    corners = _pair(extras, *(f"p{corner + 1}_{axis}_px" for corner in _CYCLIC for axis in "xy"))
+    corners = _pair(extras, *(f"p{corner + 1}_{axis}_px" for corner in CYCLIC for axis in "xy"))
     paths.append(closed(window.svg(distorted(corners, lens))))
     return " ".join(path for path in paths if path)
 
@@ -99,21 +96,6 @@ def detected(extras: Mapping[str, float], view: str, lens: Intrinsics, window: W
 def _pair(extras: Mapping[str, float], *names: str) -> Floats:
     """(n, 2) of the named numbers, NaN where one is missing."""
     return np.array([float(extras.get(name, np.nan)) for name in names]).reshape(-1, 2)
-
-
-def on_ellipse(ellipse: Ellipse) -> Floats:
-    """(n, 2) points of an ellipse."""
-    angle = np.arange(_POINTS) * (2 * np.pi / _POINTS)
-    c, s = np.cos(ellipse.theta_rad), np.sin(ellipse.theta_rad)
-    along = np.stack([ellipse.a_px * np.cos(angle), ellipse.b_px * np.sin(angle)], axis=1)
-    return np.asarray(along @ np.array([[c, s], [-s, c]]) + np.array([ellipse.x_px, ellipse.y_px]))
-
-
-def distorted(ideal_px: Floats, lens: Intrinsics) -> Floats:
-    """(n, 2) pixels of the picture where a lens without distortion would put ``ideal_px``."""
-    if not lens.is_distorted:
-        return ideal_px
-    return lens.pixels_from_normalised((ideal_px - [lens.cx_px, lens.cy_px]) / [lens.fx_px, lens.fy_px])
 
 
 def closed(points: Floats) -> str:

@@ -27,8 +27,8 @@ def model_cloud(target: Target, points: int = POINTS) -> ModelCloud:
 
     A point is visible where at least one of many directions about its normal leads away from the target without meeting it.
     """
-    triangles, random = _triangles(target), stream(0, 0, "knowledge.model")
-    scene, size_m = _ray_scene(triangles), float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    triangles, random = triangles_of(target), stream(0, 0, "knowledge.model")
+    scene, size_m = ray_scene(triangles), float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     chosen: list[Floats] = []
     for _ in range(_ROUNDS):
         drawn, normals = _strewn(triangles, points, random)
@@ -45,7 +45,7 @@ def digest(cloud: ModelCloud) -> str:
     return sha256_of_bytes(np.hstack([cloud.points_target, cloud.normals_target]).astype("<f8").tobytes())
 
 
-def _triangles(target: Target) -> Floats:
+def triangles_of(target: Target) -> Floats:
     """(m, 3, 3) corners of all parts' triangles, target frame."""
     return np.concatenate([solid.vertices_target[solid.faces] for solid in solids(target)])
 
@@ -60,7 +60,8 @@ def _strewn(triangles: Floats, count: int, random: np.random.Generator) -> tuple
     return np.einsum("ni,nij->nj", weights, triangles[which]), across[which] / area[which, None]
 
 
-def _ray_scene(triangles: Floats) -> Any:
+def ray_scene(triangles: Floats) -> Any:
+    """Open3D's ray caster over (m, 3, 3) corners of triangles."""
     import open3d as o3d
 
     scene = o3d.t.geometry.RaycastingScene()

@@ -5,7 +5,6 @@ ring's name, or a LIDAR's. A *track* is one sensor's answers on one subject of o
 """
 
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -16,9 +15,9 @@ from benchmark.judge import SCORES
 from benchmark.metrics import WRONG_DEG
 from benchmark.results import Entry, Results
 from benchmark.ring_scores import WRONG_OF_RANGE
+from benchmark.subjects import Modality
 from benchmark.summary import Summary
 
-Modality = Literal["mono", "stereo", "lidar"]
 TRACK = ["run", "subject", "sensor"]
 _LIGHT = ["lit_fraction", "shadow_fraction", "specular_fraction", "saturated_fraction", "visible_fraction"]
 _ERRORS = ["geodesic_deg", "position_error_m", "speed_rotation", "speed_position"]

@@ -9,12 +9,13 @@ from typing import get_args
 import pandas as pd
 from pydantic import ValidationError
 
-from benchmark.errors import PredictionsError
+from benchmark.errors import PredictionsError, damaged
 from benchmark.files import publish
-from benchmark.pool import TRACK, Modality
 from benchmark.ranking_division import division
 from benchmark.ranking_record import Difference, Division, Estimate, Ranking, Rule, Standing
 from benchmark.ranking_rule import charges
+from benchmark.ranking_table import divided
+from benchmark.subjects import Modality
 
 __all__ = ["FILE", "Difference", "Division", "Estimate", "Ranking", "Rule", "Standing", "charges", "ranking", "read", "write"]
 
@@ -28,20 +29,10 @@ def ranking(frames: pd.DataFrame) -> Ranking:
     answered. The same rows give the same bits.
     """
     kinds = get_args(Modality)
-    divisions = [division(part) for part in _parts(frames)]
+    divisions = [division(part) for part in divided(frames)]
     methods = {id(one): sorted(standing.method for standing in one.methods) for one in divisions}
     divisions.sort(key=lambda one: (kinds.index(one.modality), -one.frames, methods[id(one)]))
     return Ranking(divisions=tuple(divisions))
-
-
-def _parts(frames: pd.DataFrame) -> list[pd.DataFrame]:
-    """The rows of each division."""
-    if frames.empty:
-        return []
-    track = ["modality", *TRACK]
-    answering = frames[[*track, "method"]].drop_duplicates().groupby(track)["method"].agg(lambda names: repr(sorted(names)))
-    named = frames.join(answering.rename("_methods"), on=track)
-    return [part for _, part in named.groupby(["modality", "_methods"])]
 
 
 def write(folder: Path, found: Ranking) -> None:
@@ -57,5 +48,4 @@ def read(folder: Path) -> Ranking:
     except FileNotFoundError:
         raise PredictionsError(f"{folder} holds no {FILE}; run hardlight bench or judge again") from None
     except ValidationError as error:
-        fault = error.errors()[0]
-        raise PredictionsError(f"{path} is damaged: {'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}") from error
+        raise damaged(path, error) from error

@@ -118,6 +118,11 @@ def quantiles(counts: Counts, values: Floats, levels: Sequence[float]) -> Floats
     return np.stack(columns, axis=1)
 
 
+def plain_quantiles(values: Floats, levels: Sequence[float]) -> Floats:
+    """(levels,) quantiles of ``values`` (n,) as they are, each once."""
+    return np.asarray(quantiles(np.ones((len(values), 1), dtype=np.uint16), values, levels)[0])
+
+
 def _nth(ordered: Counts, cumulative: NDArray[np.int64], width: int, n: int) -> NDArray[np.int64]:
     """(draws,) where in the sorted values the ``n``-th (from 0) of each draw is."""
     each = np.arange(ordered.shape[1])

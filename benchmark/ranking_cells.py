@@ -1,5 +1,7 @@
 """Rankings as texts: the lines of a division's table, its title, and numbers short enough to stand in a column."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmark.ranking_record import Division, Estimate, Ranking, Standing
@@ -20,8 +22,8 @@ def legend(found: Ranking) -> str:
 def title(division: Division) -> str:
     """Which methods are compared on what: the modality, cases, subjects, tracks and frames."""
     return (
-        f"{division.modality}: {_some(division.cases)} ({_some(division.subjects)}); "
-        f"{_counted(division.tracks, 'track')}, {_counted(division.frames, 'frame')}"
+        f"{division.modality}: {some(division.cases)} ({some(division.subjects)}); "
+        f"{counted(division.tracks, 'track')}, {counted(division.frames, 'frame')}"
     )
 
 
@@ -82,10 +84,12 @@ def _two_lines(estimate: Estimate | None, scale: float = 1.0) -> str:
     return f"{figure(estimate, scale)}\n{interval(estimate, scale)}".rstrip()
 
 
-def _some(names: tuple[str, ...]) -> str:
-    more = len(names) - _NAMED
-    return ", ".join(names[:_NAMED]) + (f" and {more} more" if more > 0 else "")
+def some(names: Sequence[str], most: int = _NAMED) -> str:
+    """The first ``most`` names, and how many more there are."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
-def _counted(number: int, noun: str) -> str:
+def counted(number: int, noun: str) -> str:
+    """``1 track``, ``2 tracks``."""
     return f"{number} {noun}{'' if number == 1 else 's'}"

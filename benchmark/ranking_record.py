@@ -2,9 +2,9 @@
 
 from typing import Literal
 
-from benchmark.pool import Modality
 from benchmark.ranking_bootstrap import CONFIDENCE
 from benchmark.ranking_rule import RESAMPLES, SEED, SENTENCE, UNANSWERED_RAD, UNANSWERED_SHARE
+from benchmark.subjects import Modality
 from scenes.spec import Spec
 
 
@@ -29,6 +29,12 @@ class Estimate(Spec):
     value: float | None
     low: float | None = None
     high: float | None = None
+
+    @property
+    def negative(self) -> "Estimate":
+        """That of the same statistic with the other sign."""
+        value, low, high = (None if one is None else -one for one in (self.value, self.low, self.high))
+        return Estimate(value=value, low=high, high=low)
 
 
 class Standing(Spec):
@@ -61,6 +67,11 @@ class Difference(Spec):
     first: str
     second: str
     charge: Estimate
+
+    @property
+    def turned(self) -> "Difference":
+        """The same pair the other way round."""
+        return Difference(first=self.second, second=self.first, charge=self.charge.negative)
 
     @property
     def better(self) -> str | None:

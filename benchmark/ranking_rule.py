@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from benchmark.pool import Modality
 from benchmark.ranking_bootstrap import CONFIDENCE
+from benchmark.subjects import Modality
 from scenes.arrays import Floats
 
 UNANSWERED_RAD = np.pi / 2 + 2 / np.pi

@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 
 from benchmark.errors import PredictionsError
-from benchmark.pool import TRACK, Modality
+from benchmark.pool import TRACK
 from benchmark.ranking_bootstrap import SHORTEST, Track, block_length
 from benchmark.ranking_rule import charges, unanswered
+from benchmark.subjects import Modality
 from scenes.arrays import Floats
 
 
@@ -58,6 +59,16 @@ def table_of(frames: pd.DataFrame) -> Table:
         tracks=tuple(sorted(tracks, key=lambda track: track.frames < SHORTEST)),
         values={name: wide[name].fillna(absent.get(name, 0.0)).to_numpy(np.float64)[short_last] for name in quantities},
     )
+
+
+def divided(frames: pd.DataFrame) -> list[pd.DataFrame]:
+    """Rows of ``benchmark.pool.pool`` by division: all tracks of a modality that the same set of methods answered, in order."""
+    if frames.empty:
+        return []
+    track = ["modality", *TRACK]
+    answering = frames[[*track, "method"]].drop_duplicates().groupby(track)["method"].agg(lambda names: repr(sorted(names)))
+    named = frames.join(answering.rename("_methods"), on=track)
+    return [part.drop(columns="_methods") for _, part in named.groupby(["modality", "_methods"], sort=False)]
 
 
 def _tracks(runs: list[str], sizes: list[int], charge: Floats) -> list[Track]:

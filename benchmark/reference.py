@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from benchmark.errors import PredictionsError
+from benchmark.errors import PredictionsError, damaged
 from benchmark.records import MachineRecord
 from scenes.dataset_layout import FRAME_FILE
 from scenes.dataset_layout import FRAMES as FRAMES_FOLDER
@@ -49,9 +49,7 @@ def read(folder: Path) -> Reference | None:
     try:
         return Reference.model_validate_json(path.read_bytes())
     except ValidationError as error:
-        fault = error.errors(include_url=False)[0]
-        where = ".".join(map(str, fault["loc"])) or "the file"
-        raise PredictionsError(f"{path} is damaged: {where}: {fault['msg']}") from error
+        raise damaged(path, error) from error
 
 
 def faults(folder: Path, reference: Reference) -> Iterator[str]:

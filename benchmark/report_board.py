@@ -2,13 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Literal
 
-from benchmark.ranking_cells import figure, interval, rank
+from benchmark.ranking_cells import counted, figure, interval, rank, some
 from benchmark.ranking_record import Division, Estimate, Ranking, Standing
+from benchmark.subjects import NAMES
 
-MODALITIES = {"mono": "One camera", "stereo": "Stereo", "lidar": "LIDAR"}
 _NAMED = 6  # cases that a heading names
 
 
@@ -97,7 +96,7 @@ def _board(division: Division, titles: Sequence[str], told: Mapping[str, str]) -
         for one in division.methods
     ]
     return Board(
-        title=MODALITIES[division.modality],
+        title=NAMES[division.modality],
         about=_about(division),
         cases=division.cases,
         columns=tuple(column for _, _, column in shown),
@@ -113,9 +112,7 @@ def _cell(estimate: Estimate | None, scale: float) -> Cell:
 
 def _about(division: Division) -> str:
     """Cases, what was asked for, and how much of it."""
-    more = len(division.cases) - _NAMED
-    cases = ", ".join(division.cases[:_NAMED]) + (f" and {more} more" if more > 0 else "")
-    tracks = f"{division.tracks} track{'s' if division.tracks != 1 else ''}"
+    cases, tracks = some(division.cases, _NAMED), counted(division.tracks, "track")
     return f"{cases}: {', '.join(division.subjects)}; {division.frames} frames in {tracks}"
 
 
@@ -126,21 +123,15 @@ def _pairs(division: Division) -> list[Pair]:
     for one in division.differences:
         turned = places[one.first] > places[one.second] if one.better is None else one.better != one.first
         first, second = (one.second, one.first) if turned else (one.first, one.second)
-        charge = _turned(one.charge) if turned else one.charge
+        charge = one.charge.negative if turned else one.charge
         pairs.append(Pair(first, second, one.better is None, figure(charge), interval(charge).replace("–", " … ")))
     return sorted(pairs, key=lambda pair: (places[pair.first], places[pair.second]))
-
-
-def _turned(one: Estimate) -> Estimate:
-    """The same difference the other way round."""
-    minus = partial(lambda value: None if value is None else -value)
-    return Estimate(value=minus(one.value), low=minus(one.high), high=minus(one.low))
 
 
 def standings(found: Ranking, method: str) -> list[tuple[str, Standing, int]]:
     """Where ``method`` stands: each of its divisions' modality and cases, its standing, among how many."""
     return [
-        (f"{MODALITIES[division.modality]} ({_about(division)})", one, len(division.methods))
+        (f"{NAMES[division.modality]} ({_about(division)})", one, len(division.methods))
         for division in found.divisions
         for one in division.methods
         if one.method == method

@@ -6,15 +6,16 @@ import pandas as pd
 
 from benchmark.chart_cdf import cdf_charts
 from benchmark.chart_conditions import condition_charts
-from benchmark.chart_frames import by_method, divisions, listing, with_errors
+from benchmark.chart_frames import by_method, divisions, with_errors
 from benchmark.chart_group import Chart, ChartGroup, Sign
 from benchmark.chart_overview import overview_charts
 from benchmark.chart_style import sign
 from benchmark.chart_time import panels, time_charts
+from benchmark.ranking_cells import some
+from benchmark.subjects import NAMES
 
 __all__ = ["Chart", "ChartGroup", "charts"]
 
-MODALITIES = {"mono": "One camera", "stereo": "Stereo", "lidar": "LIDAR"}
 _LINES = "Dotted: SPEED's threshold, below which an error counts as none. Dashed: an answer that far off is wrong."
 _EDGE = "A bar that runs to the edge has its end among frames without an answer."
 _OVERVIEW = f"Medians are over all frames, one without an answer being larger than any error. {_EDGE} {_LINES}"
@@ -41,7 +42,7 @@ def charts(frames: pd.DataFrame, titles: Sequence[str]) -> tuple[ChartGroup, ...
     give equal bytes.
     """
     places = {title: place for place, title in enumerate(dict.fromkeys([*titles, *frames["method"]]))}
-    return tuple(group for modality in MODALITIES for group in _modality(frames, modality, places) if group.plots)
+    return tuple(group for modality in NAMES for group in _modality(frames, modality, places) if group.plots)
 
 
 def _modality(frames: pd.DataFrame, modality: str, places: dict[str, int]) -> Iterator[ChartGroup]:
@@ -51,7 +52,7 @@ def _modality(frames: pd.DataFrame, modality: str, places: dict[str, int]) -> It
         return
     mine = with_errors(mine)
     parts, more = divisions(mine)
-    name, short = MODALITIES[modality], modality[0]
+    name, short = NAMES[modality], modality[0]
     apart = "" if len(parts) + more == 1 else " Methods stand together where they were asked for the same tracks."
     left = f" {more} smaller sets of tracks are left out." if more else ""
     for key, what, caption, draw in _BY_DIVISION:
@@ -65,9 +66,9 @@ def _over_time(mine: pd.DataFrame, modality: str, places: dict[str, int]) -> Cha
     """Small panels, one a case and subject, and a word on those that are left out."""
     begin = f"{modality[0]}i"
     shown, rest = panels(mine)
-    left = f" Not shown: {listing(rest)}." if rest else ""
+    left = f" Not shown: {some(rest)}." if rest else ""
     plots = tuple(time_charts(shown, mine, places, begin))
-    title = f"{MODALITIES[modality]}: error against time"
+    title = f"{NAMES[modality]}: error against time"
     return ChartGroup(f"{modality}-time", title, _TIME + left, plots, _legend(mine, places, begin), is_small=True)
 
 

@@ -9,17 +9,17 @@ import pandas as pd
 from benchmark.errors import PredictionsError
 from benchmark.gallery_answers import Answers
 from benchmark.gallery_cameras import camera_views
-from benchmark.gallery_choice import MODALITIES, Choice, choose
+from benchmark.gallery_choice import Choice, choose
 from benchmark.gallery_command import command
 from benchmark.gallery_item import Item, item
 from benchmark.gallery_lidars import lidar_views
 from benchmark.gallery_scans import Scan3D, choose_scans, scans_3d
 from benchmark.report_lidar_pictures import LEGEND
 from benchmark.results import Results
+from benchmark.subjects import NAMES
 from scenes.errors import DatasetError
 
 MOST_BYTES = 2_900_000  # of pictures and lines; the scans come to some 0.4 MB more
-_NAMES = {"mono": "One camera", "stereo": "Stereo", "lidar": "LIDAR"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +97,7 @@ def _within_budget(cards: Iterator[Item]) -> Iterator[Item]:
 
 
 def _shelves(cards: list[Item], order: list[str]) -> Iterator[Shelf]:
-    for modality in MODALITIES:
+    for modality in NAMES:
         mine = sorted((card for card in cards if card.modality == modality), key=lambda card: order.index(card.method))
         if mine:
-            yield Shelf(f"gallery-{modality}", _NAMES[modality], tuple(mine))
+            yield Shelf(f"gallery-{modality}", NAMES[modality], tuple(mine))

@@ -12,9 +12,10 @@ import cv2
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import RigidTransform, Rotation
+from scipy.spatial.transform import RigidTransform
 
-from benchmark.report_pictures import data_uri
+from benchmark.filter_truth import scan_pose
+from benchmark.report_pictures import bgr, data_uri
 from benchmark.report_scan_grid import ScanGrid, grid_of
 from scenes.arrays import Floats
 from scenes.beam_fate import BeamFate
@@ -63,7 +64,7 @@ def scan_strip(dataset: Dataset, lidar: str, frame: int, solids: tuple[Solid, ..
     grid = grid_of(dataset.scenario["lidars"], lidar, truth["reason"])
     strong = _tile(grid.picture(_strengths(scan.intensity)), f"strength of the returns, {caption}")
     fates = _tile(grid.picture(_fates(truth)), f"what became of each beam, {caption}")
-    pose = _pose(dataset.truth(frame).row[lidar])
+    pose = scan_pose(dataset.truth(frame).row[lidar])
     side = _tile(_side_view(scan, truth, pose, solids), f"from the side, the LIDAR at the left, {caption}")
     return ScanStrip(caption, (strong, fates, side))
 
@@ -79,19 +80,19 @@ def _strengths(intensity: NDArray[np.float32]) -> NDArray[np.uint8]:
     """(rows, columns, 3) blue-green-red: the square root of the strength, its 99th percentile at the bright end."""
     there = np.isfinite(intensity)
     if not there.any():
-        return _painted(there, _bgr(_GROUND))
+        return _painted(there, bgr(_GROUND))
     top = max(float(np.percentile(intensity[there], 99)), 1e-30)
     share = np.sqrt(np.clip(np.nan_to_num(intensity) / top, 0, 1))
     colours = mpl.colormaps["cividis"](0.12 + 0.88 * share)[..., 2::-1]
-    return np.asarray(np.where(there[..., None], np.round(255 * colours), _bgr(_GROUND)), dtype=np.uint8)
+    return np.asarray(np.where(there[..., None], np.round(255 * colours), bgr(_GROUND)), dtype=np.uint8)
 
 
 def _fates(truth: Mapping[str, NDArray[Any]]) -> NDArray[np.uint8]:
     """(rows, columns, 3) blue-green-red by what became of each beam."""
-    picture = _painted(truth["reason"], _bgr(_GROUND))
+    picture = _painted(truth["reason"], bgr(_GROUND))
     for fate, _, colour in FATES:
-        picture[truth["reason"] == fate] = _bgr(colour)
-    picture[_at_edge(truth)] = _bgr(EDGE[1])
+        picture[truth["reason"] == fate] = bgr(colour)
+    picture[_at_edge(truth)] = bgr(EDGE[1])
     return picture
 
 
@@ -108,10 +109,10 @@ def _side_view(
     points = scan.points_lidar[there].astype(np.float64)[:, [2, 1]]
     outline = [] if lidar_from_target is None else [lidar_from_target.apply(solid.vertices_target)[:, [2, 1]] for solid in solids]
     view = _Window.around(np.concatenate(outline) if outline else points)
-    canvas = _painted(np.zeros(_SIDE_PX[::-1]), _bgr(_GROUND))
+    canvas = _painted(np.zeros(_SIDE_PX[::-1]), bgr(_GROUND))
     for solid, corners in zip(solids, outline):
         for triangle in view.pixels(corners)[solid.faces]:
-            cv2.fillConvexPoly(canvas, triangle, _bgr(_SILHOUETTE), lineType=cv2.LINE_8, shift=_SHIFT)
+            cv2.fillConvexPoly(canvas, triangle, bgr(_SILHOUETTE), lineType=cv2.LINE_8, shift=_SHIFT)
     colours = _fates(truth)[there]
     for place, colour in zip(view.pixels(points), colours.tolist()):
         cv2.circle(canvas, place.tolist(), 1 << _SHIFT, colour, cv2.FILLED, cv2.LINE_AA, _SHIFT)
@@ -141,24 +142,9 @@ class _Window:
         return np.asarray(np.round(np.clip(places, -4000, 4000) * (1 << _SHIFT)), dtype=np.int32)
 
 
-def _pose(row: Mapping[str, float]) -> RigidTransform | None:
-    """lidar_from_target at the scan's reference instant, at the frame's time where the truth has no other, None without one."""
-    for prefix in ("scan_", ""):
-        names = [f"{prefix}{name}" for name in ("qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m")]
-        numbers = np.array([row.get(name, np.nan) for name in names])
-        if np.isfinite(numbers).all():
-            return RigidTransform.from_components(numbers[4:], Rotation.from_quat(numbers[:4], scalar_first=True))
-    return None
-
-
 def _painted(like: NDArray[Any], colour: tuple[int, int, int]) -> NDArray[np.uint8]:
     return np.full((*like.shape, 3), colour, dtype=np.uint8)
 
 
 def _tile(picture: NDArray[np.uint8], label: str) -> Tile:
     return Tile(data_uri(picture, 101), picture.shape[1], picture.shape[0], label)
-
-
-def _bgr(colour: str) -> tuple[int, int, int]:
-    red, green, blue = (int(colour[place : place + 2], 16) for place in (1, 3, 5))
-    return blue, green, red

@@ -2,7 +2,7 @@
 
 import base64
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
@@ -16,8 +16,11 @@ from scenes.dataset import Dataset
 from scenes.features import CircleFeature, Feature, RectangleFeature
 from scenes.recording import SensorModel
 
-_CYCLIC = [0, 1, 3, 2]
+CYCLIC = [0, 1, 3, 2]  # corners P1 … P4 lie in Z-order
 _MARGIN, _SMALLEST_PX, _WIDEST_PX, _GAMMA = 0.35, 120, 900, 2.2
+
+
+Number = TypeVar("Number", np.uint8, np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,13 +103,13 @@ def shown(pixels: NDArray[Any], model: SensorModel) -> NDArray[np.uint8]:
     return np.asarray(np.round(255 * np.clip(linear, 0, 1) ** (1 / _GAMMA)), dtype=np.uint8)
 
 
-def fitted(pixels: NDArray[np.uint8], widest_px: int) -> NDArray[np.uint8]:
-    """The picture, made smaller where it is wider than ``widest_px``."""
+def fitted(pixels: NDArray[Number], widest_px: int) -> NDArray[Number]:
+    """The picture, made smaller where it is wider than ``widest_px``: means over areas."""
     height, width = pixels.shape[:2]
     if width <= widest_px:
         return pixels
     size = widest_px, max(1, round(height * widest_px / width))
-    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA), dtype=pixels.dtype)
 
 
 def data_uri(pixels: NDArray[np.uint8], quality: int = 70) -> str:
@@ -116,4 +119,10 @@ def data_uri(pixels: NDArray[np.uint8], quality: int = 70) -> str:
 
 
 def _points(corners: Floats) -> str:
-    return " ".join(f"{x:.2f},{y:.2f}" for x, y in corners[_CYCLIC])
+    return " ".join(f"{x:.2f},{y:.2f}" for x, y in corners[CYCLIC])
+
+
+def bgr(colour: str) -> tuple[int, int, int]:
+    """#rrggbb as OpenCV has it."""
+    red, green, blue = (int(colour[place : place + 2], 16) for place in (1, 3, 5))
+    return blue, green, red

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from benchmark.ranking_bootstrap import quantiles
+from benchmark.ranking_bootstrap import plain_quantiles
 from benchmark.ranking_cells import short
 
 _NONE = "—"
@@ -68,6 +68,6 @@ def _quantiles(errors: pd.Series, answered: np.ndarray) -> tuple[str, str]:
     """Median and 95th percentile of all frames, those without an answer (or without this part of one) as infinite."""
     values = errors.to_numpy(dtype=np.float64)
     known = np.where(answered & ~np.isnan(values), values, np.inf)
-    found = quantiles(np.ones((len(known), 1), dtype=np.uint16), known, (0.5, 0.95))[0]
+    found = plain_quantiles(known, (0.5, 0.95))
     median, p95 = (short(float(one)) if np.isfinite(one) else _NONE for one in found)
     return median, p95

@@ -10,9 +10,8 @@ from scipy.spatial.transform import RigidTransform, Rotation
 
 from benchmark.predictions import QUATERNION, TRANSLATION
 from benchmark.report_pictures import data_uri, fitted, shown
-from benchmark.ring_ellipses import measured_ellipse
+from benchmark.ring_ellipses import POINTS, measured_ellipse, on_ellipse
 from benchmark.ring_subject import RingSubject
-from estimators.stereo_ring.conics import Ellipse
 from scenes.arrays import Floats
 from scenes.dataset import Dataset
 from scenes.intrinsics import Intrinsics
@@ -29,7 +28,6 @@ LIGHT_STATES = (
 AXIS_COLOURS = ("#ff5252", "#4ade80", "#60a5fa")  # x, y, z
 _SKY = "#0b0c0e"
 _MARGIN, _SMALLEST_PX, _WIDEST_PX, _QUALITY = 0.3, 48, 340, 60
-_POINTS = 72  # of a drawn ellipse
 _HEAD, _OPEN_DEG = 0.16, 24.0  # of an arrow: length as a share of its own, half angle
 Window = tuple[int, int, int, int]
 
@@ -64,13 +62,13 @@ def strip(dataset: Dataset, subject: RingSubject, answer: pd.Series, extras: Map
     views, light = [], ""
     for name, camera in subject.views.items():
         model, true = dataset.sensors[camera], poses[camera]
-        lens, edge = model.intrinsics, model.intrinsics.project(true.apply(subject.circle.points_target(_POINTS)))
+        lens, edge = model.intrinsics, model.intrinsics.project(true.apply(subject.circle.points_target(POINTS)))
         window = _window(edge, lens)
         camera_from_answer = None if given is None else true * poses[str(answer["sensor"])].inv() * given
         axes = () if camera_from_answer is None else _axes(subject, camera_from_answer, lens, window)
         pixels = fitted(shown(_cut(images[camera].pixels, window), model), _WIDEST_PX)
         size, measured = (window[2] - window[0], window[3] - window[1]), measured_ellipse(extras, name)
-        drawn = "" if measured is None else _points(_on_ellipse(measured, lens), window)
+        drawn = "" if measured is None else _points(on_ellipse(measured, lens), window)
         views.append(View(name, data_uri(pixels, _QUALITY), *size, _points(edge, window), drawn, axes))
         light = light or _light(dataset, frame, camera, window)
     return Strip(caption, tuple(views), light)
@@ -99,23 +97,6 @@ def _window(edge_px: Floats, lens: Intrinsics) -> Window:
 def _cut(pixels: NDArray[np.generic], window: Window) -> NDArray[np.generic]:
     left, top, right, bottom = window
     return pixels[top:bottom, left:right]
-
-
-def _on_ellipse(ellipse: Ellipse, lens: Intrinsics) -> Floats:
-    """(n, 2) pixels of the picture on an ellipse that is given in pixels free of distortion."""
-    angle = np.arange(_POINTS) * (2 * np.pi / _POINTS)
-    c, s = np.cos(ellipse.theta_rad), np.sin(ellipse.theta_rad)
-    ideal = np.array([ellipse.x_px, ellipse.y_px]) + np.stack(
-        [
-            ellipse.a_px * c * np.cos(angle) - ellipse.b_px * s * np.sin(angle),
-            ellipse.a_px * s * np.cos(angle) + ellipse.b_px * c * np.sin(angle),
-        ],
-        axis=1,
-    )
-    if not lens.is_distorted:
-        return np.asarray(ideal)
-    normalised = (ideal - [lens.cx_px, lens.cy_px]) / [lens.fx_px, lens.fy_px]
-    return lens.pixels_from_normalised(normalised)
 
 
 def _axes(subject: RingSubject, cam_from_target: RigidTransform, lens: Intrinsics, window: Window) -> tuple[tuple[str, str], ...]:

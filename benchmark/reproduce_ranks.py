@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from benchmark.ranking_record import Difference, Division, Estimate, Ranking
+from benchmark.ranking_record import Division, Ranking
 from benchmark.reproduce_figures import Stated, of_estimate, stated_of
 
 Compared = tuple[str, str, Stated | None, float | None]  # where, figure, the reference's (None: a fault without one), the re-run's
@@ -37,7 +37,7 @@ def _standings(where: str, reference: Division, found: Division) -> Iterator[Com
 def _differences(where: str, reference: Division, found: Division) -> Iterator[Compared]:
     """Pairs of methods: the difference of their charges, and the order where the reference is sure of one."""
     there = {(one.first, one.second): one for one in found.differences}
-    there |= {(one.second, one.first): _turned(one) for one in found.differences}
+    there |= {(one.second, one.first): one.turned for one in found.differences}
     for pair in reference.differences:
         other, names = there.get((pair.first, pair.second)), f"{where}: {pair.first} − {pair.second}"
         value = None if other is None else other.charge.value
@@ -45,8 +45,3 @@ def _differences(where: str, reference: Division, found: Division) -> Iterator[C
         if pair.better is not None and (other is None or other.better != pair.better):
             now = "is tied" if other is None or other.better is None else f"is behind {other.better}"
             yield names, f"{pair.better} was ahead and {now}", None, None
-
-
-def _turned(one: Difference) -> Difference:
-    value, low, high = (None if number is None else -number for number in (one.charge.value, one.charge.low, one.charge.high))
-    return Difference(first=one.second, second=one.first, charge=Estimate(value=value, low=high, high=low))

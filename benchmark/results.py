@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError
 
-from benchmark.errors import PredictionsError
+from benchmark.errors import PredictionsError, damaged
 from benchmark.files import publish
 from benchmark.judge import SUMMARY
 from benchmark.published import Published, PublishedFilter, PublishedRing
@@ -71,7 +71,7 @@ def read(folder: Path) -> Results:
     try:
         return Results.model_validate_json(path.read_bytes())
     except ValidationError as error:
-        raise PredictionsError(f"{path} is damaged: {_first(error)}") from error
+        raise damaged(path, error) from error
 
 
 def summaries(folder: Path, entry: Entry) -> tuple[Summary, ...]:
@@ -82,11 +82,6 @@ def summaries(folder: Path, entry: Entry) -> tuple[Summary, ...]:
     except FileNotFoundError:
         raise PredictionsError(f"{path} does not exist; run the judge again") from None
     except ValidationError as error:
-        raise PredictionsError(f"{path} is damaged: {_first(error)}") from error
+        raise damaged(path, error) from error
     except ValueError as error:
         raise PredictionsError(f"{path} is damaged: {error}") from error
-
-
-def _first(error: ValidationError) -> str:
-    fault = error.errors()[0]
-    return f"{'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}"

@@ -5,12 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial.transform import RigidTransform
 
-from estimators.stereo_ring.conics import Ellipse, ellipse_from_conic
+from estimators.stereo_ring.conics import Ellipse, ellipse_from_conic, points_on_ellipse
+from scenes.arrays import Floats
 from scenes.features import CircleFeature
 from scenes.intrinsics import Intrinsics
 
 RIGHT_PX = 2.0  # an ellipse is the ring's where its centre and semi-axes are all nearer to the true ones than this
 PARTS = ("x_px", "y_px", "a_px", "b_px", "theta_rad")
+POINTS = 72  # of a drawn circle or ellipse
 _EDGE_ON = 1e-9  # sine of the angle between the ring's plane and the line of sight
 
 
@@ -42,3 +44,15 @@ def is_the_ring(measured: Ellipse, true: Ellipse | None) -> bool:
         return False
     apart = [getattr(measured, part) - getattr(true, part) for part in PARTS[:4]]
     return bool(np.abs(apart).max() < RIGHT_PX)
+
+
+def on_ellipse(ellipse: Ellipse, lens: Intrinsics) -> Floats:
+    """(n, 2) pixels of the picture on an ellipse that is given in pixels free of distortion."""
+    return distorted(points_on_ellipse(ellipse, POINTS), lens)
+
+
+def distorted(ideal_px: Floats, lens: Intrinsics) -> Floats:
+    """(n, 2) pixels of the picture where a lens without distortion would put ``ideal_px``."""
+    if not lens.is_distorted:
+        return ideal_px
+    return lens.pixels_from_normalised((ideal_px - [lens.cx_px, lens.cy_px]) / [lens.fx_px, lens.fy_px])

@@ -6,6 +6,7 @@ from typing import Literal
 from scenes.features import CircleFeature, Feature
 
 Modality = Literal["mono", "stereo", "lidar"]
+NAMES: dict[str, str] = {"mono": "One camera", "stereo": "Stereo", "lidar": "LIDAR"}  # headings, in the order of pages
 MEASURES = {"mono": "rectangles", "stereo": "rings", "lidar": "scans"}
 
 

@@ -1,5 +1,6 @@
 """What ``hardlight bound`` does: the Cramér-Rao bound of every frame, and how near answers come to it."""
 
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,7 @@ def bound(path: Path, out: Path, frames: str | None, answers: Path | None, conso
         figures = {"σ attitude mdeg": "—", "σ position mm": "—"}
         if known.any():
             figures = {
-                "σ attitude mdeg": f"{57295.78 * middle['sigma_rotation_rad']:.2f}",
+                "σ attitude mdeg": f"{1e3 * degrees(middle['sigma_rotation_rad']):.2f}",
                 "σ position mm": f"{1e3 * middle['sigma_position_m']:.3f}",
             }
         rows.append({"sensor": str(sensor), "frames": str(len(mine)), "undetermined": str(int((~known).sum())), **figures})

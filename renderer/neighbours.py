@@ -12,8 +12,6 @@ from scenes.arrays import Floats
 from scenes.lighting import scene_light
 from scenes.scenario import Scenario, Scene, realize
 
-AXES = 6
-
 
 def moved(pose: RigidTransform, xi: Floats) -> RigidTransform:
     """``pose`` after ξ = (ω, δt) in the axes it leads to: R ← exp(ω) R about the target's origin, t ← t + δt."""

@@ -7,11 +7,11 @@ import numpy as np
 from scipy.spatial.transform import RigidTransform
 
 from benchmark.information.fisher import Bound, bound
+from benchmark.model_cloud import ray_scene, triangles_of
 from scenes.arrays import Bools, Floats
 from scenes.beam_fate import BeamFate
 from scenes.lidar import Lidar
 from scenes.ranging_model import PhysicalRanging
-from scenes.solids import solids
 from scenes.target import Target
 
 _WHOLE_SPOT = 0.999  # share of the spot on one surface above which a range is that of a plane
@@ -36,7 +36,7 @@ class ScanInformation:
 
     def __init__(self, target: Target, lidar: Lidar) -> None:
         """Loads the target's triangles."""
-        self._surface, self._lidar = _surface(target), lidar
+        self._surface, self._lidar = ray_scene(triangles_of(target)), lidar
 
     def bound(self, beams: dict[str, Any], lidar_from_target: RigidTransform) -> ScanBound:
         """Of a scan's truth (``Dataset.scan_truth``) at the pose at the middle of the scan."""
@@ -92,13 +92,3 @@ def scan_bound(rows: Floats, sigma_m: Floats) -> ScanBound:
     found = bound(scaled.T @ scaled)
     leverage = np.einsum("ni,ij,nj->n", scaled, found.covariance, scaled)
     return ScanBound(found, len(rows), float(leverage.max(initial=0.0)) if found.is_determined else float("nan"))
-
-
-def _surface(target: Target) -> Any:
-    import open3d as o3d
-
-    scene = o3d.t.geometry.RaycastingScene()
-    for solid in solids(target):
-        vertices = o3d.core.Tensor.from_numpy(solid.vertices_target.astype(np.float32))
-        scene.add_triangles(vertices, o3d.core.Tensor.from_numpy(solid.faces.astype(np.uint32)))
-    return scene

@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 
 from benchmark.files import publish
+from benchmark.filter_truth import scan_pose
 from benchmark.information.fisher import AXES, Bound
 from benchmark.information.pictures import PictureInformation
 from benchmark.information.scans import ScanInformation
 from scenes.arrays import Floats
 from scenes.dataset import Dataset
-from scenes.dataset_layout import POSE_COLUMNS
-from scenes.pose_columns import pose
 from scenes.scenario import Scenario
 
 BOUNDS = "bounds.parquet"
@@ -78,7 +77,8 @@ def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> 
 
 
 def _lidar_row(scans: ScanInformation, beams: dict[str, Any], truth: "pd.Series[Any]") -> dict[str, float]:
-    at_scan = pose({name: float(truth[f"scan_{name}"]) for name in POSE_COLUMNS})
+    at_scan = scan_pose({str(name): value for name, value in truth.items()})
+    assert at_scan is not None  # every row of the truth table has a pose
     found = scans.bound(beams, at_scan)
     extra = {"beams": float(found.beams), "leverage": found.leverage, "least_eigenvalue": found.bound.least_eigenvalue}
     return dict(_columns(found.bound)) | extra

@@ -1,5 +1,6 @@
 """A small data set of a white rectangle that turns, drawn by OpenCV at known poses, and a toy method that finds it."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +11,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import RigidTransform, Rotation
 
+from benchmark import judge, predictions
+from benchmark.knowledge import declare
+from benchmark.predictions import COLUMNS, QUATERNION
+from benchmark.records import RunRecord
+from benchmark.results import Entry
+from benchmark.run import answer
 from estimators.api import Estimate, Outcome
 from scenes.dataset import Dataset
 from scenes.dataset_layout import TRUTH_COLUMNS
@@ -133,3 +140,49 @@ class ContourPnP:
 @pytest.fixture(scope="session")
 def toy() -> type[ContourPnP]:
     return ContourPnP
+
+
+@pytest.fixture(scope="session")
+def submit() -> Callable[..., Path]:
+    """submit(dataset, folder, method, turns, lost=0, cpu_s="") → the folder, with the truth turned by ``turns`` as answers.
+
+    They are written as another program would. The last ``lost`` frames are not answered; no position is.
+    """
+
+    def write(dataset: Dataset, folder: Path, method: str, turns: Rotation, lost: int = 0, cpu_s: str = "") -> Path:
+        truth = dataset.truth_table()
+        rotation = Rotation.from_quat(truth[list(QUATERNION)].to_numpy(), scalar_first=True) * turns
+        table = truth[["frame", "sensor"]].assign(outcome="ok", cpu_s=cpu_s, wall_s="", tx_m="", ty_m="", tz_m="")
+        table[list(QUATERNION)] = rotation.as_quat(scalar_first=True, canonical=True)
+        table = table[list(COLUMNS)].astype(object)
+        if lost:
+            table.iloc[-lost:, 2:] = ["no_features", *[""] * (len(COLUMNS) - 3)]
+        folder.mkdir(parents=True)
+        table.to_csv(folder / "predictions.csv", index=False)
+        record = {"format": "hardlight-predictions", "version": 1, "method": method, "dataset_identity": dataset.identity}
+        (folder / "run.json").write_text(json.dumps(record))
+        return folder
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def judged_entry() -> Callable[..., Entry]:
+    """judged_entry(dataset, out, folder, title, estimator, **record) → the entry of an estimator's judged answers on the panel."""
+
+    def make(dataset: Dataset, out: Path, folder: str, title: str, estimator: Any, **record: Any) -> Entry:
+        declared = declare(dataset, "panel")
+        told = RunRecord(
+            format="hardlight-predictions",
+            version=1,
+            method=title,
+            dataset_identity=dataset.identity,
+            knowledge=declared.record,
+            **record,
+        )
+        answers = answer(estimator, dataset, declared.knowledge, told)
+        predictions.write(out / folder, answers)
+        judge.write(out / folder, judge.judge(answers, dataset))
+        return Entry(case="turn", feature="panel", title=title, dataset=str(dataset.path), answers=folder, scores=folder)
+
+    return make

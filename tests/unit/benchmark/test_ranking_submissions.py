@@ -1,6 +1,6 @@
 """From a folder of answers to its rank: SPEED's thresholds, a CSV without times, what the verbs write and print."""
 
-import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,34 +10,22 @@ from scipy.spatial.transform import Rotation
 from benchmark import judge, results, verbs
 from benchmark.console import Console
 from benchmark.pool import pool
-from benchmark.predictions import COLUMNS, read
+from benchmark.predictions import read
 from benchmark.ranking import read as read_ranking
 from benchmark.results import CaseHeading, Entry, Results
 from scenes.dataset import Dataset
 
 
-def _submit(dataset: Dataset, folder: Path, method: str, turn_deg: float, lost: int = 0) -> Path:
-    """The truth turned about the target's Y, its last ``lost`` frames not answered, as another program would write it."""
-    truth = dataset.truth_table()
-    rotation = Rotation.from_quat(truth[["qw", "qx", "qy", "qz"]].to_numpy(), scalar_first=True)
-    answered = rotation * Rotation.from_euler("y", turn_deg, degrees=True)
-    table = truth[["frame", "sensor"]].assign(outcome="ok", cpu_s="", wall_s="", tx_m="", ty_m="", tz_m="")
-    table[["qw", "qx", "qy", "qz"]] = answered.as_quat(scalar_first=True)
-    table = table[list(COLUMNS)].astype(object)
-    if lost:
-        table.iloc[-lost:, 2:] = ["no_features", *[""] * (len(COLUMNS) - 3)]
-    folder.mkdir(parents=True)
-    table.to_csv(folder / "predictions.csv", index=False)
-    record = {"format": "hardlight-predictions", "version": 1, "method": method, "dataset_identity": dataset.identity}
-    (folder / "run.json").write_text(json.dumps(record))
-    return folder
+def _about_y(turn_deg: float) -> Rotation:
+    """A turn about the target's Y."""
+    return Rotation.from_euler("y", turn_deg, degrees=True)
 
 
 @pytest.mark.parametrize(("turn_deg", "score"), [(0.0, 0.0), (0.168, 0.0), (0.170, 0.002967), (4.0, 0.069813)])
 def test_speeds_threshold_holds_from_the_answers_to_the_ranking(
-    dataset: Dataset, tmp_path: Path, turn_deg: float, score: float
+    dataset: Dataset, submit: Callable[..., Path], tmp_path: Path, turn_deg: float, score: float
 ) -> None:
-    answers = _submit(dataset, tmp_path / "answers", "oracle", turn_deg)
+    answers = submit(dataset, tmp_path / "answers", "oracle", _about_y(turn_deg))
     verbs.judge(answers, dataset.path, tmp_path / "out", 0.0, Console(quiet=True))
     ((standing,),) = (division.methods for division in read_ranking(tmp_path / "out").divisions)
     assert standing.charge.value == pytest.approx(score, abs=5e-7)
@@ -48,12 +36,12 @@ def test_speeds_threshold_holds_from_the_answers_to_the_ranking(
 
 
 def test_three_submissions_are_ranked_and_printed_whatever_they_are_called(
-    dataset: Dataset, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    dataset: Dataset, submit: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Two within the threshold tie; one that leaves out two frames of 21 is charged two guesses."""
     entries = []
     for place, (method, turn_deg, lost) in enumerate([("[bold]a[/nothing]", 0.1, 0), ("b\x1b[31m", 0.05, 0), ("c", 1.0, 2)]):
-        folder = _submit(dataset, tmp_path / str(place), method, turn_deg, lost)
+        folder = submit(dataset, tmp_path / str(place), method, _about_y(turn_deg), lost)
         judge.write(folder, judge.judge(read(folder), dataset))
         entries.append(Entry(case="panel", feature="panel", title=method, dataset="d", answers=str(place), scores=str(place)))
     index = Results(title="three", cases=(CaseHeading(name="panel"),), entries=tuple(entries))

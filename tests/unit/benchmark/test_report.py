@@ -51,7 +51,7 @@ class _Balance(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def folder(dataset: Dataset, toy: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(dataset: Dataset, toy: Any, judged_entry: Callable[..., Entry], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Results of the toy method, and of one that answers a constant and fails in three frames."""
 
     class Zero(toy):  # type: ignore[misc]
@@ -62,21 +62,8 @@ def folder(dataset: Dataset, toy: Any, tmp_path_factory: pytest.TempPathFactory)
             return Estimate("nav", Outcome.OK, constant)
 
     out = tmp_path_factory.mktemp("results")
-    entries = []
-    for title, estimator in (("toy", toy()), ("zero", Zero())):
-        declared = declare(dataset, "panel")
-        record = RunRecord(
-            format="hardlight-predictions",
-            version=1,
-            method=title,
-            dataset_identity=dataset.identity,
-            knowledge=declared.record,
-        )
-        answers = answer(estimator, dataset, declared.knowledge, record)
-        predictions.write(out / title, answers)
-        judge.write(out / title, judge.judge(answers, dataset))
-        path = str(dataset.path)
-        entries.append(Entry(case="turn", feature="panel", title=title, dataset=path, answers=title, scores=title))
+    methods = {"toy": toy(), "zero": Zero()}.items()
+    entries = [judged_entry(dataset, out, title, title, estimator) for title, estimator in methods]
     index = Results(
         title="A <turning> panel",
         cases=(CaseHeading(name="turn", description="θ from −20° to 20°"),),

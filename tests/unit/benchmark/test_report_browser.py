@@ -2,18 +2,15 @@
 
 import importlib.util
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from benchmark import judge, predictions, report, results
-from benchmark.knowledge import declare
-from benchmark.records import RunRecord
+from benchmark import report, results
 from benchmark.results import CaseHeading, Entry, Results
-from benchmark.run import answer
 from estimators.api import Estimate, Outcome
 from scenes.dataset import Dataset
 from scenes.recording import Observation
@@ -31,7 +28,7 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def page_file(dataset: Dataset, toy: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page_file(dataset: Dataset, toy: Any, judged_entry: Callable[..., Entry], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A page of three methods: one that works, one that answers late, and one whose name and reasons are meant to do harm."""
 
     class Late(toy):  # type: ignore[misc]
@@ -46,28 +43,16 @@ def page_file(dataset: Dataset, toy: Any, tmp_path_factory: pytest.TempPathFacto
     class Hostile(Late):
         first, reason = 15, REASON
 
-    out, entries = tmp_path_factory.mktemp("page"), []
-    for place, (title, estimator) in enumerate({"toy": toy(), "late": Late(), HOSTILE: Hostile()}.items()):
-        declared = declare(dataset, "panel")
-        record = RunRecord(
-            format="hardlight-predictions",
-            version=1,
-            method=title,
-            dataset_identity=dataset.identity,
-            knowledge=declared.record,
-            parameters={"window_px": 5},
-        )
-        answers = answer(estimator, dataset, declared.knowledge, record)
-        predictions.write(out / str(place), answers)
-        judge.write(out / str(place), judge.judge(answers, dataset))
-        paths = {"dataset": str(dataset.path), "answers": str(place), "scores": str(place)}
-        entries.append(Entry(case="turn", feature="panel", title=title, **paths))
+    out = tmp_path_factory.mktemp("page")
+    methods = {"toy": toy(), "late": Late(), HOSTILE: Hostile()}.items()
+    entries = [
+        judged_entry(dataset, out, str(place), title, estimator, parameters={"window_px": 5})
+        for place, (title, estimator) in enumerate(methods)
+    ]
     heading = CaseHeading(name="turn", description="θ from −20° to 20°")
     results.write(
         out,
-        Results(
-            title="A turning panel", command="hardlight bench <turn> --out out/turn", cases=(heading,), entries=tuple(entries)
-        ),
+        Results(title="A turning panel", command="hardlight bench <turn> --out out/turn", cases=(heading,), entries=tuple(entries)),
     )
     return report.write(out)
 

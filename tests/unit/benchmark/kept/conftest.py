@@ -1,6 +1,5 @@
 """Results as a bench leaves them, small: two methods on the panel, one with a name that would like to be more than a name."""
 
-import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmark import judge, ranking, results
 from benchmark.pool import pool
-from benchmark.predictions import COLUMNS, read
+from benchmark.predictions import read
 from benchmark.results import CaseHeading, Entry, Results
 from scenes.dataset import Dataset
 
@@ -20,28 +19,15 @@ HOSTILE = "[bold]b[/nothing]\x1b[31m :smile:"
 METHODS = {"steady": (0.5, 2), HOSTILE: (3.0, 0)}  # size of the error in degrees, frames at the end without an answer
 
 
-def _answer(dataset: Dataset, folder: Path, method: str, size_deg: float, lost: int) -> None:
-    """The truth turned by as much as a repeatable draw says, as another program would write it."""
-    truth = dataset.truth_table()
-    turns = Rotation.from_rotvec(np.radians(size_deg) * np.random.default_rng(1).normal(size=(len(truth), 3)))
-    rotation = Rotation.from_quat(truth[["qw", "qx", "qy", "qz"]].to_numpy(), scalar_first=True) * turns
-    table = truth[["frame", "sensor"]].assign(outcome="ok", cpu_s="0.01", wall_s="", tx_m="", ty_m="", tz_m="")
-    table[["qw", "qx", "qy", "qz"]] = rotation.as_quat(scalar_first=True, canonical=True)
-    table = table[list(COLUMNS)].astype(object)
-    if lost:
-        table.iloc[-lost:, 2:] = ["no_features", *[""] * (len(COLUMNS) - 3)]
-    folder.mkdir(parents=True)
-    table.to_csv(folder / "predictions.csv", index=False)
-    record = {"format": "hardlight-predictions", "version": 1, "method": method, "dataset_identity": dataset.identity}
-    (folder / "run.json").write_text(json.dumps(record))
-    judge.write(folder, judge.judge(read(folder), dataset))
-
-
-def _bench(dataset: Dataset, out: Path) -> Path:
+def _bench(dataset: Dataset, out: Path, submit: Callable[..., Path]) -> Path:
+    """Each method's answers are the truth turned by as much as a repeatable draw says."""
     entries = []
     for place, (method, (size_deg, lost)) in enumerate(METHODS.items()):
         path = f"entries/panel/{place}"
-        _answer(dataset, out / path, method, size_deg, lost)
+        drawn = np.random.default_rng(1).normal(size=(len(dataset.frames), 3))
+        turns = Rotation.from_rotvec(np.radians(size_deg) * drawn)
+        folder = submit(dataset, out / path, method, turns, lost, cpu_s="0.01")
+        judge.write(folder, judge.judge(read(folder), dataset))
         entries.append(Entry(case="panel", feature="panel", title=method, dataset="datasets/panel", answers=path, scores=path))
     index = Results(title="Two on a panel", cases=(CaseHeading(name="panel"),), entries=tuple(entries))
     results.write(out, index)
@@ -51,11 +37,11 @@ def _bench(dataset: Dataset, out: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def make_results(make_dataset: Callable[..., Dataset]) -> Callable[..., Path]:
+def make_results(make_dataset: Callable[..., Dataset], submit: Callable[..., Path]) -> Callable[..., Path]:
     """make_results(path, seed=0, ...) → the folder of a bench on a data set of its own."""
 
     def make(path: Path, **data: Any) -> Path:
-        return _bench(make_dataset(path / "datasets" / "panel", **data), path)
+        return _bench(make_dataset(path / "datasets" / "panel", **data), path, submit)
 
     return make
 
