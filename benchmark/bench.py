@@ -17,10 +17,10 @@ from scenes.errors import DatasetConflict, UsageError, unknown
 from scenes.scenario import Quality
 
 Stages = Callable[[str], AbstractContextManager[Progress | None]]
-_DATASETS, _ENTRIES = "datasets", "entries"
+DATASETS, ENTRIES = "datasets", "entries"
 
 
-def _silent(_: str) -> AbstractContextManager[Progress | None]:
+def silent(_: str) -> AbstractContextManager[Progress | None]:
     return nullcontext(None)
 
 
@@ -30,7 +30,7 @@ def bench(
     *,
     workers: int = 1,
     quality: Quality | None = None,
-    stages: Stages = _silent,
+    stages: Stages = silent,
     in_process: bool = False,
     command: str = "",
 ) -> Results:
@@ -42,13 +42,13 @@ def bench(
     Every method runs in a process of its own, within the suite's limits; ``in_process`` runs them here, to be debugged. One that
     crashes, hangs or cannot be loaded has failed in the frames concerned. Raises ``UsageError`` for a method that nobody knows.
     """
-    _refuse_unknown_methods(suite)
+    refuse_unknown_methods(suite)
     runs = [(case, run) for case in suite.cases for run in case.runs]
     tasks: list[Task] = []
     for case, run in runs:
-        path = out / _DATASETS / run.name
-        _render(suite, case, run, path, workers, quality, stages)
-        tasks += _tasks(suite, case, run, path, out, None if in_process else case.limits or suite.limits)
+        path = out / DATASETS / run.name
+        render_run(suite, case, run, path, workers, quality, stages)
+        tasks += tasks_of(suite, case, run, path, out, None if in_process else case.limits or suite.limits)
     if workers == 1:
         done_here(tasks, stages)
     else:
@@ -57,8 +57,8 @@ def bench(
         title=suite.title,
         description=suite.description,
         command=command,
-        cases=tuple(_heading(case, run) for case, run in runs),
-        entries=tuple(_entry(task, out) for task in tasks),
+        cases=tuple(heading_of(case, run) for case, run in runs),
+        entries=tuple(entry_of(task, out) for task in tasks),
         published=suite.published,
         published_rings=suite.published_rings,
         published_filters=suite.published_filters,
@@ -68,7 +68,7 @@ def bench(
     return index
 
 
-def _render(
+def render_run(
     suite: Suite, case: Case, run: CaseRun, path: Path, workers: int, quality: Quality | None, stages: Stages
 ) -> None:
     """The run's data set: what the renderer resumes to the wanted frames, and has nothing to do where all are there."""
@@ -94,14 +94,14 @@ def _render(
         )
 
 
-def _refuse_unknown_methods(suite: Suite) -> None:
+def refuse_unknown_methods(suite: Suite) -> None:
     """Before anything is rendered. One named by ``package.module:Class`` may come or not: that is its own matter."""
     for title, method in suite.methods.items():
         if ":" not in method.estimator and method.estimator not in registry.names():
             raise UsageError(f"methods.{title}.estimator: {unknown('method', method.estimator, registry.names())}")
 
 
-def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, limits: Limits | None) -> Iterator[Task]:
+def tasks_of(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, limits: Limits | None) -> Iterator[Task]:
     """Every method on everything of one data set that it answers."""
     for subject in case.subjects:
         for title, method in suite.methods_for(case, subject).items():
@@ -115,17 +115,19 @@ def _tasks(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, lim
                 method=method,
                 sigma_px=suite.prior_sigma_px if case.prior_sigma_px is None else case.prior_sigma_px,
                 settle_s=case.settle_s,
-                folder=out / _ENTRIES / run.name / subject.name / title,
+                folder=out / ENTRIES / run.name / subject.name / title,
                 limits=limits,
                 reuse=limits is not None,
             )
 
 
-def _heading(case: Case, run: CaseRun) -> CaseHeading:
+def heading_of(case: Case, run: CaseRun) -> CaseHeading:
+    """What the index says of a data set."""
     return CaseHeading(name=run.name, description=case.description, base=_base(run), seed=run.seed if _base(run) else None)
 
 
-def _entry(task: Task, out: Path) -> Entry:
+def entry_of(task: Task, out: Path) -> Entry:
+    """What the index says of a method on a data set."""
     return Entry(
         case=task.run.name,
         feature=task.feature,

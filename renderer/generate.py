@@ -9,12 +9,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from renderer import worker
 from renderer.emitters import apparent_radius_rad
 from renderer.masks import Light
 from renderer.photograph import Photographer
 from renderer.quality import PRESETS
 from renderer.ranging import Scanner
-from renderer.variant import Backend, activate, probe
+from renderer.variant import Backend, probe
 from renderer.window import refuse_fast_spin
 from scenes.beam_fate import BeamFate
 from scenes.dataset_frame import FrameRecord
@@ -206,13 +207,7 @@ _worker: dict[str, Any] = {}  # one process, one job
 
 
 def _start_worker(job: _Job) -> None:
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
-    activate()
-    import drjit as dr
-
-    dr.set_thread_count(job.threads)
+    worker.start(job.threads)
     _worker.update(writer=job.writer, maker=FrameMaker(job.scenario))
 
 

@@ -1,6 +1,6 @@
 """bounds.parquet: of each frame and sensor of a data set how well anybody could know the pose."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +9,12 @@ import pandas as pd
 
 from benchmark.files import publish
 from benchmark.filter_truth import scan_pose
-from benchmark.information.fisher import AXES, Bound
+from benchmark.information.fisher import AXES, Bound, bound, in_axes
 from benchmark.information.pictures import PictureInformation
 from benchmark.information.scans import ScanInformation
 from scenes.arrays import Floats
 from scenes.dataset import Dataset
+from scenes.recording import StereoPair
 from scenes.scenario import Scenario
 
 BOUNDS = "bounds.parquet"
@@ -21,23 +22,38 @@ UPPER = tuple(zip(*np.triu_indices(6)))
 Progress = Callable[[int, int], None]
 
 
-def bounds_table(dataset: Dataset, frames: Iterable[int] | None = None, progress: Progress | None = None) -> pd.DataFrame:
+def bounds_table(
+    dataset: Dataset,
+    frames: Iterable[int] | None = None,
+    progress: Progress | None = None,
+    sensors: Iterable[str] | None = None,
+) -> pd.DataFrame:
     """A row per (frame, sensor): ``information_<a>_<b>`` (the upper triangle), ``sigma_<a>``, both in rad and m in the sensor's
     axes, and their sums ``sigma_rotation_rad``, ``sigma_position_m``; NaN σ where the pose is undetermined.
 
-    Of a camera also ``*_rendered``, ``*_gain_and_offset`` and ``*_model_5`` (``PictureBounds``) and ``inflation``; of a LIDAR
-    ``beams`` and ``leverage``.
+    ``sensors``: cameras, rigs and LIDARs, all of them where left out. Of a camera also ``*_rendered``, ``*_gain_and_offset`` and
+    ``*_model_5`` (``PictureBounds``) and ``inflation``; of a LIDAR ``beams`` and ``leverage``. A rig's row is in its left camera's
+    axes and holds what both pictures tell together.
     """
     chosen = list(dataset.frames if frames is None else frames)
+    wanted = list(sensors_of(dataset) if sensors is None else sensors)
     scenario, truth = Scenario.model_validate(dataset.scenario), dataset.truth_table().set_index(["frame", "sensor"])
-    makers = _makers(dataset, scenario, truth)
-    rows, total = [], len(chosen) * len(makers)
+    makers = _makers(dataset, scenario, truth, wanted)
+    rows, done, total = [], 0, len(chosen) * len(makers)
     for frame in chosen:
+        found: dict[str, dict[str, float]] = {}
         for sensor, make in makers.items():
-            rows.append({"frame": frame, "sensor": sensor, **make(frame)})
+            found[sensor], done = make(frame), done + 1
             if progress is not None:
-                progress(len(rows), total)
+                progress(done, total)
+        found |= {name: _rig_row(dataset.rigs[name], found) for name in wanted if name in dataset.rigs}
+        rows += [{"frame": frame, "sensor": sensor, **found[sensor]} for sensor in wanted]
     return pd.DataFrame(rows)
+
+
+def sensors_of(dataset: Dataset) -> list[str]:
+    """Everything that sees the target: cameras, rigs, LIDARs."""
+    return [*dataset.sensors, *dataset.rigs, *dataset.lidars]
 
 
 def write(folder: Path, table: pd.DataFrame) -> None:
@@ -53,8 +69,12 @@ def informations(table: pd.DataFrame) -> Floats:
     return full
 
 
-def _makers(dataset: Dataset, scenario: Scenario, truth: pd.DataFrame) -> dict[str, Callable[[int], dict[str, float]]]:
-    """For each sensor what gives a frame's row."""
+def _makers(
+    dataset: Dataset, scenario: Scenario, truth: pd.DataFrame, wanted: list[str]
+) -> dict[str, Callable[[int], dict[str, float]]]:
+    """For each sensor that is wanted, or belongs to a rig that is, what gives a frame's row."""
+    pairs = [dataset.rigs[name] for name in wanted if name in dataset.rigs]
+    needed = {*wanted, *(name for pair in pairs for name in (pair.left, pair.right))}
 
     def of_camera(name: str) -> Callable[[int], dict[str, float]]:
         pictures = PictureInformation(scenario, name)
@@ -64,7 +84,8 @@ def _makers(dataset: Dataset, scenario: Scenario, truth: pd.DataFrame) -> dict[s
         scans = ScanInformation(scenario.target, scenario.lidars[name])
         return lambda frame: _lidar_row(scans, dataset.scan_truth(frame, name), truth.loc[[(frame, name)]].iloc[0])
 
-    return {name: of_camera(name) for name in dataset.sensors} | {name: of_lidar(name) for name in dataset.lidars}
+    cameras = {name: of_camera(name) for name in dataset.sensors if name in needed}
+    return cameras | {name: of_lidar(name) for name in dataset.lidars if name in needed}
 
 
 def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> dict[str, float]:
@@ -74,6 +95,19 @@ def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> 
         variant: Bound = getattr(found, name)
         row |= {f"sigma_rotation_rad_{name}": variant.rotation_rad, f"sigma_position_m_{name}": variant.position_m}
     return row
+
+
+def _rig_row(pair: StereoPair, found: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
+    """What both pictures tell: their noises are independent, so their informations add."""
+    left, right = (_information(found[name]) for name in (pair.left, pair.right))
+    both = bound(left + in_axes(right, pair.right_from_left.rotation.inv()))
+    inflations = [found[name]["inflation"] for name in (pair.left, pair.right)]
+    return dict(_columns(both)) | {"least_eigenvalue": both.least_eigenvalue, "inflation": float(np.max(inflations))}
+
+
+def _information(row: Mapping[str, float]) -> Floats:
+    """(6, 6) of one row."""
+    return np.asarray(informations(pd.DataFrame([row]))[0])
 
 
 def _lidar_row(scans: ScanInformation, beams: dict[str, Any], truth: "pd.Series[Any]") -> dict[str, float]:

@@ -1,0 +1,42 @@
+"""The information limit of a study's data sets: found once, kept as bounds/<run>.parquet beside what they follow from."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from benchmark.case import Case
+from benchmark.files import publish
+from scenes.dataset import Dataset
+from scenes.dataset_range import parse_frames
+from scenes.provenance import sha256_of_json, software_versions
+
+FOLDER = "bounds"
+
+
+def bounded(dataset: Path, out: Path, run: str, frames: str, case: Case) -> None:
+    """Finds the bounds of the data set's ``frames`` (by place) with the sensors that ``case`` asks for, unless they lie there."""
+    there = Dataset.open(dataset)
+    stamp = sha256_of_json([there.identity, frames, sensors_of(case), software_versions()])
+    mark = out / FOLDER / f"{run}.sha256"
+    if mark.is_file() and mark.read_text(encoding="utf-8") == stamp and (out / FOLDER / f"{run}.parquet").is_file():
+        return
+    from benchmark.information.table import bounds_table
+
+    chosen = [there.frames[at] for at in parse_frames(frames, len(there.frames))]
+    found = bounds_table(there, chosen, sensors=sensors_of(case))
+    publish(out / FOLDER, {f"{run}.parquet": found.to_parquet(index=False), f"{run}.sha256": stamp.encode()})
+
+
+def read(out: Path, run: str) -> pd.DataFrame | None:
+    """The bounds of one run, None where none were asked for."""
+    path = out / FOLDER / f"{run}.parquet"
+    return pd.read_parquet(path) if path.is_file() else None
+
+
+def sensors_of(case: Case) -> list[str]:
+    """The cameras, rigs and LIDARs that answer what a case asks for: every single camera for rectangles."""
+    modalities = {subject.modality for subject in case.subjects}
+    cameras = sorted(case.scenario.cameras) if "mono" in modalities else []
+    rigs = ([case.rig] if case.rig else sorted(case.scenario.rigs)) if "stereo" in modalities else []
+    lidars = [subject.lidar for subject in case.subjects if subject.lidar is not None]
+    return [*cameras, *rigs, *lidars]

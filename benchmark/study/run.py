@@ -1,0 +1,134 @@
+"""A study's points, each rendered, answered, judged and bounded by one process: the loop over points."""
+
+import multiprocessing
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from benchmark import bench, results
+from benchmark.case import Case, CaseRun
+from benchmark.entries import answer_and_judge
+from benchmark.files import publish
+from benchmark.progress import Progress
+from benchmark.results import Results
+from benchmark.study import record
+from benchmark.study.bounds import bounded
+from benchmark.study.points import Point, points, table
+from benchmark.study.spec import Study, case_of, suite_of
+from benchmark.suite import Suite
+from scenes.errors import HardlightError, UsageError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Job:
+    """One data set of one point, and all that is done with it. ``bound_frames``: see ``Study``."""
+
+    suite: Suite
+    case: Case
+    run: CaseRun
+    out: Path
+    bound_frames: str | None
+
+
+def study(study: Study, out: Path, *, workers: int = 1, progress: Progress | None = None, command: str = "") -> Results:
+    """Runs every point of ``study`` into ``out``, keeping what lies there and would come out the same; returns the index.
+
+    A point that cannot be rendered or asked about is left out and named in study.json; the others are not touched by it.
+    """
+    chosen = points(study)
+    index, refused = run_points(study, chosen, out, workers=workers, progress=progress, command=command)
+    kept = tuple(point for point in chosen if point.name not in refused)
+    if not kept:
+        raise UsageError(f"no point could be done; the first: {next(iter(refused.values()))}")
+    publish(out, {record.POINTS: table(study, kept).to_parquet(index=False)})
+    record.write(out, record.record_of(study, command, refused))
+    return index
+
+
+def run_points(
+    study: Study, chosen: Sequence[Point], out: Path, *, workers: int = 1, progress: Progress | None = None, command: str = ""
+) -> tuple[Results, dict[str, str]]:
+    """Does the work of ``chosen`` and writes results.json. Also returned: point → why it could not be done."""
+    unique = {point.name: point for point in chosen}
+    cases = tuple(case_of(study, name, point.label, point.scenario) for name, point in unique.items())
+    suite = suite_of(study, cases)
+    bench.refuse_unknown_methods(suite)
+    alone = {case.name: suite.model_copy(update={"cases": (case,)}) for case in cases}
+    jobs = [Job(alone[case.name], case, run, out, study.bound_frames) for case in cases for run in case.runs]
+    refused: dict[str, str] = {}
+    for done, (job, fault) in enumerate(_done(jobs, workers), start=1):
+        if fault is not None:
+            refused.setdefault(job.case.name, fault)
+        if progress is not None:
+            progress(done, len(jobs))
+    index = _index([job for job in jobs if job.case.name not in refused], suite, out, command)
+    results.write(out, index)
+    return index, refused
+
+
+def do(job: Job) -> str | None:
+    """Renders what is missing of a data set, lets every method answer, judges, bounds. What stands in the way of it, if so.
+
+    Not every setting is a scenario: a lamp stands inside of the target, or what is asked for lies outside of the picture.
+    """
+    path = job.out / bench.DATASETS / job.run.name
+    try:
+        bench.render_run(job.suite, job.case, job.run, path, 1, None, bench.silent)
+        for task in bench.tasks_of(job.suite, job.case, job.run, path, job.out, job.suite.limits):
+            answer_and_judge(task)
+    except UsageError as error:
+        return str(error)
+    if job.bound_frames is not None:
+        bounded(path, job.out, job.run.name, job.bound_frames, job.case)
+    return None
+
+
+def _index(jobs: Sequence[Job], suite: Suite, out: Path, command: str) -> Results:
+    tasks = [
+        task
+        for job in jobs
+        for task in bench.tasks_of(job.suite, job.case, job.run, out / bench.DATASETS / job.run.name, out, job.suite.limits)
+    ]
+    return Results(
+        title=suite.title,
+        description=suite.description,
+        command=command,
+        cases=tuple(bench.heading_of(job.case, job.run) for job in jobs),
+        entries=tuple(bench.entry_of(task, out) for task in tasks),
+        notes=suite.notes,
+    )
+
+
+def _done(jobs: Sequence[Job], workers: int) -> Iterator[tuple[Job, str | None]]:
+    """Every job with its fault, as they end."""
+    if workers == 1:
+        for job in jobs:
+            yield job, do(job)
+        return
+    spawn = multiprocessing.get_context("spawn")  # Mitsuba cannot be forked
+    threads = max(1, (os.cpu_count() or 1) // workers)
+    pool = ProcessPoolExecutor(min(workers, max(1, len(jobs))), mp_context=spawn, initializer=_start_worker, initargs=(threads,))
+    try:
+        futures: dict[Future[str | None], Job] = {pool.submit(do, job): job for job in jobs}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+    except BrokenProcessPool:
+        raise HardlightError("a worker process died (killed or out of memory); finished points are kept, try --workers 1") from None
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _start_worker(threads: int) -> None:
+    from renderer import worker
+
+    worker.start(threads)
+
+
+def read_points(folder: Path) -> pd.DataFrame:
+    """points.parquet of a study's folder."""
+    return pd.read_parquet(folder / record.POINTS)
