@@ -76,7 +76,7 @@ def _ratio(values: Floats, reference: Floats | None) -> Floats | None:
     if reference is None or reference[0] <= 0:
         return None
     by = reference[:, None]
-    return np.divide(values, by, out=np.full(values.shape, np.nan), where=by > 0)
+    return np.asarray(np.divide(values, by, out=np.full(values.shape, np.nan), where=by > 0))
 
 
 def _surely_positive(study: Paired, added: Floats) -> bool:

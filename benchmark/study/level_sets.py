@@ -106,7 +106,7 @@ def _crossed(record: StudyRecord, points: pd.DataFrame) -> Iterator[LevelSet]:
     """Of each factor all points by its level, and by the setting of the others."""
     for factor in record.factors:
         others = [name for other in record.factors if other is not factor for name in _names(other)]
-        setting = points.groupby(others, sort=True, dropna=False).ngroup().to_numpy() if others else np.zeros(len(points), dtype=int)
+        setting = points.groupby(others, dropna=False).ngroup().to_numpy() if others else np.zeros(len(points), dtype=np.int64)
         values = _values(factor, points)
         levels = list(dict.fromkeys(values))
         levels = [levels[place] for place in _order(levels)]
@@ -144,5 +144,6 @@ def _order(values: list[Value]) -> list[int]:
 
 
 def _is_baseline(factor: FactorRecord, value: Value) -> bool:
-    """Levels have six digits."""
-    return isinstance(value, float) and factor.baseline is not None and bool(np.isclose(value, factor.baseline, rtol=1e-6, atol=1e-12))
+    """Whether a level is the scenario's own; levels have six digits."""
+    own = factor.baseline
+    return isinstance(value, float) and own is not None and bool(np.isclose(value, own, rtol=1e-6, atol=1e-12))

@@ -7,7 +7,7 @@ import numpy as np
 from benchmark.ranking_record import Estimate
 from benchmark.study.paired import LevelDraws, Paired, medians
 from benchmark.study.score_record import LevelScore, Overall
-from scenes.arrays import Floats
+from scenes.arrays import Bools, Floats
 
 
 def overall(study: Paired) -> tuple[Overall, ...]:
@@ -64,14 +64,15 @@ def _score(study: Paired, draws: LevelDraws, level: int, method: int, bounds: di
 def _bounds(study: Paired, draws: LevelDraws, level: int) -> dict[str, Estimate]:
     """Of the information limit at one level: its median, and in what share of the asked frames it is determined."""
     columns = draws.levels.columns[level]
-    bound_rad, asked = (values[:, columns[columns >= 0]] for values in (study.panel.bound_rad, study.panel.bound_asked))
+    columns = columns[columns >= 0]
+    bound_rad, asked = study.panel.bound_rad[:, columns], study.panel.bound_asked[:, columns]
     return {
         "bound_median_rad": study.estimate(medians(study.counts, bound_rad)),
         "bound_determined": study.estimate(_share(study, ~np.isnan(bound_rad), asked)),
     }
 
 
-def _share(study: Paired, part: Floats, whole: Floats) -> Floats:
+def _share(study: Paired, part: Bools, whole: Bools) -> Floats:
     """(1 + draws,) how many of ``whole`` are ``part``; NaN in draws that hold none of it."""
     sums = study.means(np.stack([part.sum(axis=1), whole.sum(axis=1)], axis=1).astype(np.float64))
-    return np.divide(sums[:, 0], sums[:, 1], out=np.full(len(sums), np.nan), where=sums[:, 1] > 0)
+    return np.asarray(np.divide(sums[:, 0], sums[:, 1], out=np.full(len(sums), np.nan), where=sums[:, 1] > 0))

@@ -19,7 +19,7 @@ _AT_ONCE = 250  # draws, which bounds the memory of medians
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Paired:
-    """A panel with its draws. ``counts`` (units, 1 + draws): how often each draw took each unit; in the first each is taken once."""
+    """A panel with its draws. ``counts`` (units, 1 + draws): how often each draw took each unit; the first takes each once."""
 
     panel: Panel
     counts: Counts
@@ -63,8 +63,8 @@ def paired(panel: Panel) -> Paired:
 def level_draws(study: Paired, levels: LevelSet) -> LevelDraws:
     """The levels' shares and charges in every draw.
 
-    ``levels`` is the panel's own (``LevelSet.of``). A level's frames are those of all its points. Differences are between points that
-    agree in all other factors, taken before anything is averaged: where a factor changes nothing they are exactly zero.
+    ``levels`` is the panel's own (``LevelSet.of``). A level's frames are those of all its points. Differences are between points
+    that agree in all other factors, taken before anything is averaged: where a factor changes nothing they are exactly zero.
     """
     panel = study.panel
     totals = [_level_means(values, levels) for values in (panel.right, panel.charge)]
@@ -104,10 +104,10 @@ def _level_means(values: Floats, levels: LevelSet) -> Floats:
 
 
 def _changes(values: Floats, levels: LevelSet) -> Floats | None:
-    """(units, levels, methods): sums, over the settings of the other factors, of what each level adds to what it is compared with."""
+    """(units, levels, methods) sums, over settings of the other factors, of what a level adds to what it is compared with."""
     settings = levels.complete
     if levels.against is None or not settings.size:
         return None
     first = levels.baseline if levels.against == "baseline" and levels.baseline is not None else 0
-    added = (values[:, settings] - values[:, settings[first]][:, None]).sum(axis=2)
-    return added if levels.against == "baseline" else added - added.mean(axis=1, keepdims=True)
+    added: Floats = (values[:, settings] - values[:, settings[first]][:, None]).sum(axis=2)
+    return added if levels.against == "baseline" else np.asarray(added - added.mean(axis=1, keepdims=True))

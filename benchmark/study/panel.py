@@ -22,8 +22,8 @@ class Panel:
     """All frames of one modality. A *unit* is what was the same at every point: a seed's frame of a subject, seen by a sensor.
 
     ``charge``, ``right`` (1 or 0) and ``rotation_deg`` (NaN where not right) are (units, points, methods), ``bound_rad`` (NaN where
-    undetermined or not asked for) and ``bound_asked`` (units, points). Units lie track by track as ``tracks`` tells, those too short
-    for blocks last. ``points`` are names, each there once, though a design may hold it several times.
+    undetermined or not asked for) and ``bound_asked`` (units, points). Units lie track by track as ``tracks`` tells, those too
+    short for blocks last. ``points`` are names, each there once, though a design may hold it several times.
     """
 
     modality: Modality
@@ -53,27 +53,18 @@ def panels(frames: pd.DataFrame) -> tuple[Panel, ...]:
 
 
 def _panel(modality: Modality, frames: pd.DataFrame) -> Panel:
-    """A frame that a method says nothing of is one without an answer. Raises ``PredictionsError`` where it says two things."""
-    keys = [*_UNIT, "point", "method"]
-    right = frames["right"].to_numpy(dtype=bool)
-    long = frames.assign(
-        seed=frames["seed"].astype(np.float64).fillna(-1.0),
-        right=right.astype(np.float64),
-        rotation_deg=np.where(right, frames["geodesic_deg"].to_numpy(dtype=np.float64), np.nan),
-    )
-    if long.duplicated(keys).any():
-        point, method, frame = long.loc[long.duplicated(keys), ["point", "method", "frame"]].iloc[0]
-        raise PredictionsError(f"two entries are called {method!r} and answer frame {frame} of {point}")
-    wide = long.set_index(keys)[["charge", "right", "rotation_deg"]].unstack(["point", "method"]).sort_index()
+    """A frame that a method says nothing of is one without an answer."""
     points, methods = (sorted(frames[key].unique()) for key in ("point", "method"))
+    long = _long(frames)
+    quantities = long.set_index([*_UNIT, "point", "method"])[["charge", "right", "rotation_deg"]]
+    wide = pd.DataFrame(quantities.unstack(["point", "method"])).sort_index()
     sizes = wide.groupby(level=_TRACK).size()
-    short_last = np.argsort(np.repeat(sizes.to_numpy(), sizes.to_numpy()) < SHORTEST, kind="stable")
-    columns = pd.MultiIndex.from_product([points, methods])
-    charge, answers, errors = (
-        wide[name].reindex(columns=columns).fillna(absent).to_numpy(np.float64)
+    charge, right, rotation_deg = (
+        wide.reindex(columns=pd.MultiIndex.from_product([[name], points, methods])).fillna(absent).to_numpy(np.float64)
         for name, absent in (("charge", unanswered(modality)), ("right", 0.0), ("rotation_deg", np.nan))
     )
     bound_rad, asked = _bounds(long, wide.index, points)
+    short_last = np.argsort(np.repeat(sizes.to_numpy(), sizes.to_numpy()) < SHORTEST, kind="stable")
     shape = (len(wide), len(points), len(methods))
     return Panel(
         modality=modality,
@@ -81,11 +72,27 @@ def _panel(modality: Modality, frames: pd.DataFrame) -> Panel:
         points=tuple(points),
         tracks=_tracks(sizes, charge),
         charge=charge[short_last].reshape(shape),
-        right=answers[short_last].reshape(shape),
-        rotation_deg=errors[short_last].reshape(shape),
+        right=right[short_last].reshape(shape),
+        rotation_deg=rotation_deg[short_last].reshape(shape),
         bound_rad=bound_rad[short_last],
         bound_asked=asked[short_last],
     )
+
+
+def _long(frames: pd.DataFrame) -> pd.DataFrame:
+    """``frames`` as numbers. Raises ``PredictionsError`` where a method says two things of one."""
+    keys = [*_UNIT, "point", "method"]
+    right = frames["right"].to_numpy(dtype=bool)
+    long = frames.assign(
+        seed=frames["seed"].astype(np.float64).fillna(-1.0),
+        right=right.astype(np.float64),
+        rotation_deg=np.where(right, frames["geodesic_deg"].to_numpy(dtype=np.float64), np.nan),
+    )
+    twice = long[long.duplicated(keys)]
+    if len(twice):
+        point, method, frame = twice.iloc[0][["point", "method", "frame"]]
+        raise PredictionsError(f"two entries are called {method!r} and answer frame {frame} of {point}")
+    return long
 
 
 def _bounds(long: pd.DataFrame, units: pd.Index, points: list[str]) -> tuple[Floats, Bools]:
@@ -93,8 +100,10 @@ def _bounds(long: pd.DataFrame, units: pd.Index, points: list[str]) -> tuple[Flo
     known = long.assign(
         bound=long["bound_rotation_rad"].where(long["bound_determined"].astype(bool)), asked=long["bound_asked"].astype(np.float64)
     )
-    of_units = known.groupby([*_UNIT, "point"])[["bound", "asked"]].max().unstack("point").reindex(units)
-    bound, asked = (of_units[name].reindex(columns=points).to_numpy(np.float64) for name in ("bound", "asked"))
+    of_units = pd.DataFrame(known.groupby([*_UNIT, "point"])[["bound", "asked"]].max().unstack("point")).reindex(units)
+    bound, asked = (
+        of_units.reindex(columns=pd.MultiIndex.from_product([[name], points])).to_numpy(np.float64) for name in ("bound", "asked")
+    )
     return bound, np.nan_to_num(asked) > 0
 
 

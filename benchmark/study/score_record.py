@@ -54,9 +54,10 @@ class LevelScore(Spec):
 class FactorError(Spec):
     """How much a factor's levels, the baseline left out, cost a method, measured by what they cost the reference.
 
-    ``charge``: mean over the levels. ``reference``: what it is divided by, and ``reference_is`` where that comes from: frozen in the
-    study, or the reference method's own in this run; ``ce`` is None where there is none. ``relative_ce``: the same of what is added
-    to the baseline's charge, by the reference in this run; None where that surely adds nothing to the reference, or there is none.
+    ``charge``: mean over the levels. ``reference``: what it is divided by, and ``reference_is`` where that comes from: frozen in
+    the study, or the reference method's own in this run; ``ce`` is None where there is none. ``relative_ce``: the same of what
+    levels add to the baseline's charge, measured by the reference in this run; None where there is none, or where it is not sure
+    that they add anything to the reference's.
     """
 
     modality: Modality

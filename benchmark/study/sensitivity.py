@@ -25,7 +25,7 @@ def sensitivities(panel: Panel, factors: Sequence[Dimensioned], points: Sequence
     """
     block, column = len(factors) + 2, panel.column
     if len(points) % block:
-        rows, lacking = np.zeros(0, dtype=np.int64), f"{len(points)} points are no whole number of samples of {block}: some were refused"
+        rows, lacking = np.zeros(0, dtype=np.int64), f"of {len(points)} points, {block} a sample, some are missing"
     else:
         blocks = np.array([column.get(name, -1) for name in points], dtype=np.int64).reshape(-1, block)
         rows, lacking = blocks[(blocks >= 0).all(axis=1)].ravel(), ""
