@@ -42,8 +42,8 @@ def study(study: Study, out: Path, *, workers: int = 1, progress: Progress | Non
     """
     chosen = points(study)
     index, refused = run_points(study, chosen, out, workers=workers, progress=progress, command=command)
-    kept = tuple(point for point in chosen if point.name not in refused)
-    if not kept:
+    kept = tuple(point for point in chosen if study.design == "sobol" or point.name not in refused)  # SALib counts rows
+    if all(point.name in refused for point in chosen):
         raise UsageError(f"no point could be done; the first: {next(iter(refused.values()))}")
     publish(out, {record.POINTS: table(study, kept).to_parquet(index=False)})
     record.write(out, record.record_of(study, command, refused))
