@@ -89,7 +89,7 @@ def medians(counts: Counts, values: Floats) -> Floats:
 
 def _medians(counts: Counts, ascending: Floats) -> Floats:
     """(draws,) halfway between the two middle ones of ``ascending`` (n,), each as often as ``counts`` (n, draws) says."""
-    cumulative = counts.cumsum(axis=0, dtype=np.int64)
+    cumulative = counts.cumsum(axis=0, dtype=np.int32)
     total = cumulative[-1]
     below, above = (
         ascending[np.minimum(np.count_nonzero(cumulative <= place, axis=0), len(ascending) - 1)]
