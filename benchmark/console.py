@@ -47,24 +47,13 @@ class Console:
         """Rows of equal keys as a table; ``groups`` (one per row) draws a line wherever it changes; ``left`` aligns texts."""
         if not rows:
             return
-        from rich import box
         from rich.console import Console as RichConsole
-        from rich.table import Table
 
-        table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, title_style="bold")
-        for index, heading in enumerate(rows[0]):
-            table.add_column(heading, justify="left" if left or index == 0 else "right", overflow="fold")
-        for index, row in enumerate(rows):
-            last = index + 1 < len(groups) and groups[index] != groups[index + 1]
-            table.add_row(*map(_printable, row.values()), end_section=last)
+        from benchmark.console_table import table
+
         # Names of methods come from outside: brackets and colons are letters, not markup or emoji.
         wide = RichConsole(width=None if sys.stdout.isatty() else 160, markup=False, emoji=False)
-        wide.print(table)
-
-
-def _printable(text: str) -> str:
-    """``text`` with what would steer the terminal replaced."""
-    return "".join(letter if letter.isprintable() or letter == "\n" else "\N{REPLACEMENT CHARACTER}" for letter in text)
+        wide.print(table(title, rows, groups, left, wide.width))
 
 
 def complain(verb: str, sentence: str) -> None:

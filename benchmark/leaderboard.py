@@ -82,21 +82,18 @@ def cells(summary: Summary) -> dict[str, str]:
 
 
 def ring_cells(summary: Summary, ring: RingSummary) -> dict[str, str]:
-    """The texts of one row where the method was told of a ring. Offsets in millimetres, angles in degrees."""
+    """The texts of one row where the method was told of a ring, two lines each. Offsets in millimetres, angles in degrees."""
     noise = None if ring.frame_to_frame is None else ring.frame_to_frame.noise
     return {
         "method": summary.title,
-        "answered": f"{summary.answered}/{summary.frames}",
-        "ring right": f"{ring.ring_right}/{ring.ring_judged}",
+        "answered\nright": f"{summary.answered}/{summary.frames}\n{ring.ring_right}/{ring.ring_judged}",
         "wrong": str(summary.wrong),
-        "bias x y z mm": _three(ring.bias_mm, "{:+.1f}"),
-        "sd x y z mm": _three(ring.sd_mm, "{:.1f}"),
-        "normal median": figure(ring.normal_median_deg),
-        "p95": figure(ring.normal_p95_deg),
+        "bias x y z, mm\nsd": f"{_three(ring.bias_mm, '{:+.1f}')}\n{_three(ring.sd_mm, '{:.1f}')}",
+        "normal\nmedian\np95": f"{figure(ring.normal_median_deg)}\n{figure(ring.normal_p95_deg)}",
         "about normal": figure(ring.about_normal_median_deg),
         "swaps": str(summary.label_switches),
         "frame to frame z cm": "—" if noise is None else f"{noise.position_cm[2]:.3f}",
-        "CPU ms/frame": "—" if summary.cpu_s_per_frame is None else f"{1e3 * summary.cpu_s_per_frame:.1f}",
+        "CPU ms": "—" if summary.cpu_s_per_frame is None else f"{1e3 * summary.cpu_s_per_frame:.1f}",
     }
 
 

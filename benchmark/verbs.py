@@ -259,14 +259,16 @@ def _print_table(folder: Path, index: "Results", console: Console) -> None:
     every = list(leaderboard.rows(folder, index))
     rings = [row for row in every if row.summary.ring is not None]
     lidars = [row for row in every if row.summary.filter is not None]
-    for title, rows in (
-        (f"{index.title} (errors in degrees, answered frames only)", [row for row in every if row not in rings + lidars]),
-        (f"{index.title}: rings (answered frames only)", rings),
-    ):
-        groups = [f"{row.entry.case} {row.entry.feature}" for row in rows]
-        cells = [{"case": row.entry.case, "feature": row.entry.feature or "—", **row.cells} for row in rows]
-        console.table(title, cells, groups)
+    plain = [row for row in every if row not in rings + lidars]
+    cells = [{"case": row.entry.case, "feature": row.entry.feature or "—", **row.cells} for row in plain]
+    console.table(f"{index.title} (errors in degrees, answered frames only)", cells, _groups(plain))
+    cells = [{"case\nfeature": f"{row.entry.case}\n{row.entry.feature or '—'}", **row.cells} for row in rings]
+    console.table(f"{index.title}: rings (answered frames only; second lines: ring right, sd, p95)", cells, _groups(rings))
     _print_lidars(lidars, index, console)
+
+
+def _groups(rows: "list[Row]") -> list[str]:
+    return [f"{row.entry.case} {row.entry.feature}" for row in rows]
 
 
 def _print_lidars(rows: "list[Row]", index: "Results", console: Console) -> None:
