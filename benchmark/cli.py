@@ -32,6 +32,7 @@ from benchmark.cli_options import (
     example,
 )
 from benchmark.console import Console, complain
+from benchmark.listing import KINDS
 
 app = typer.Typer(
     name="hardlight",
@@ -82,7 +83,7 @@ def list_(
         str | None,
         typer.Argument(
             metavar="[KIND]",
-            help="Only scenarios, estimators, suites, targets, cameras, rigs, lidars, lights, displays or materials.",
+            help=f"Only {', '.join(KINDS[:-1])} or {KINDS[-1]}.",
         ),
     ] = None,
     debug: Debug = False,

@@ -2,7 +2,10 @@
 
 from scenes.errors import UsageError, unknown
 
-KINDS = ("scenarios", "estimators", "suites", "targets", "cameras", "rigs", "lidars", "lights", "displays", "materials")
+KINDS = (
+    *("scenarios", "estimators", "suites", "studies", "papers"),
+    *("targets", "cameras", "rigs", "lidars", "lights", "displays", "materials"),
+)
 
 
 def listing(kind: str) -> list[tuple[str, str]]:
@@ -11,6 +14,8 @@ def listing(kind: str) -> list[tuple[str, str]]:
         raise UsageError(unknown("kind", kind, KINDS))
     if kind == "estimators":
         return _estimators()
+    if kind == "papers":
+        return _papers()
     from scenes.config import list_library
 
     return sorted(dict(list_library(kind)).items())
@@ -21,3 +26,11 @@ def _estimators() -> list[tuple[str, str]]:
     from estimators import registry
 
     return [(name, methods.description(name)) for name in registry.names()]
+
+
+def _papers() -> list[tuple[str, str]]:
+    """By their titles: what describes a paper is a paragraph of its own page."""
+    from benchmark.paper_spec import Paper
+    from scenes.config import list_library, load
+
+    return [(name, load("paper", name, Paper).title) for name in sorted(list_library("paper"))]
