@@ -10,7 +10,7 @@ import pandas as pd
 from benchmark.files import publish
 from benchmark.filter_truth import scan_pose
 from benchmark.information.fisher import AXES, Bound, bound, in_axes
-from benchmark.information.pictures import PictureInformation
+from benchmark.information.pictures import SAMPLES, PictureInformation
 from benchmark.information.scans import ScanInformation
 from scenes.arrays import Floats
 from scenes.dataset import Dataset
@@ -27,18 +27,19 @@ def bounds_table(
     frames: Iterable[int] | None = None,
     progress: Progress | None = None,
     sensors: Iterable[str] | None = None,
+    samples: int = SAMPLES,
 ) -> pd.DataFrame:
     """A row per (frame, sensor): ``information_<a>_<b>`` (the upper triangle), ``sigma_<a>``, both in rad and m in the sensor's
     axes, and their sums ``sigma_rotation_rad``, ``sigma_position_m``; NaN σ where the pose is undetermined.
 
-    ``sensors``: cameras, rigs and LIDARs, all of them where left out. Of a camera also ``*_rendered``, ``*_gain_and_offset`` and
-    ``*_model_5`` (``PictureBounds``) and ``inflation``; of a LIDAR ``beams`` and ``leverage``. A rig's row is in its left camera's
-    axes and holds what both pictures tell together.
+    ``sensors``: cameras, rigs and LIDARs, all of them where left out. ``samples``: of each pixel in each of the renderings. Of a
+    camera also ``*_rendered``, ``*_gain_and_offset`` and ``*_model_5`` (``PictureBounds``) and ``inflation``; of a LIDAR ``beams``
+    and ``leverage``. A rig's row is in its left camera's axes and holds what both pictures tell together.
     """
     chosen = list(dataset.frames if frames is None else frames)
     wanted = list(sensors_of(dataset) if sensors is None else sensors)
     scenario, truth = Scenario.model_validate(dataset.scenario), dataset.truth_table().set_index(["frame", "sensor"])
-    makers = _makers(dataset, scenario, truth, wanted)
+    makers = _makers(dataset, scenario, truth, wanted, samples)
     rows, done, total = [], 0, len(chosen) * len(makers)
     for frame in chosen:
         found: dict[str, dict[str, float]] = {}
@@ -70,14 +71,14 @@ def informations(table: pd.DataFrame) -> Floats:
 
 
 def _makers(
-    dataset: Dataset, scenario: Scenario, truth: pd.DataFrame, wanted: list[str]
+    dataset: Dataset, scenario: Scenario, truth: pd.DataFrame, wanted: list[str], samples: int
 ) -> dict[str, Callable[[int], dict[str, float]]]:
     """For each sensor that is wanted, or belongs to a rig that is, what gives a frame's row."""
     pairs = [dataset.rigs[name] for name in wanted if name in dataset.rigs]
     needed = {*wanted, *(name for pair in pairs for name in (pair.left, pair.right))}
 
     def of_camera(name: str) -> Callable[[int], dict[str, float]]:
-        pictures = PictureInformation(scenario, name)
+        pictures = PictureInformation(scenario, name, samples)
         return lambda frame: _camera_row(pictures, frame, float(dataset.state(frame)["exposure_s"][name]))
 
     def of_lidar(name: str) -> Callable[[int], dict[str, float]]:

@@ -13,17 +13,20 @@ from scenes.provenance import sha256_of_json, software_versions
 FOLDER = "bounds"
 
 
-def bounded(dataset: Path, out: Path, run: str, frames: str, case: Case) -> None:
-    """Finds the bounds of the data set's ``frames`` (by place) with the sensors that ``case`` asks for, unless they lie there."""
+def bounded(dataset: Path, out: Path, run: str, frames: str, samples: int, case: Case) -> None:
+    """Finds the bounds of the data set's ``frames`` (by place) with the sensors that ``case`` asks for, unless they lie there.
+
+    ``samples``: of each pixel in each of a bound's renderings.
+    """
     there = Dataset.open(dataset)
-    stamp = sha256_of_json([there.identity, frames, sensors_of(case), software_versions()])
+    stamp = sha256_of_json([there.identity, frames, samples, sensors_of(case), software_versions()])
     mark = out / FOLDER / f"{run}.sha256"
     if mark.is_file() and mark.read_text(encoding="utf-8") == stamp and (out / FOLDER / f"{run}.parquet").is_file():
         return
     from benchmark.information.table import bounds_table
 
     chosen = [there.frames[at] for at in parse_frames(frames, len(there.frames))]
-    found = bounds_table(there, chosen, sensors=sensors_of(case))
+    found = bounds_table(there, chosen, sensors=sensors_of(case), samples=samples)
     publish(out / FOLDER, {f"{run}.parquet": found.to_parquet(index=False), f"{run}.sha256": stamp.encode()})
 
 

@@ -33,6 +33,7 @@ class Job:
     run: CaseRun
     out: Path
     bound_frames: str | None
+    bound_samples: int
 
 
 def study(study: Study, out: Path, *, workers: int = 1, progress: Progress | None = None, command: str = "") -> Results:
@@ -59,7 +60,7 @@ def run_points(
     suite = suite_of(study, cases)
     bench.refuse_unknown_methods(suite)
     alone = {case.name: suite.model_copy(update={"cases": (case,)}) for case in cases}
-    jobs = [Job(alone[case.name], case, run, out, study.bound_frames) for case in cases for run in case.runs]
+    jobs = [Job(alone[case.name], case, run, out, study.bound_frames, study.bound_samples) for case in cases for run in case.runs]
     refused: dict[str, str] = {}
     for done, (job, fault) in enumerate(_done(jobs, workers), start=1):
         if fault is not None:
@@ -84,7 +85,7 @@ def do(job: Job) -> str | None:
     except UsageError as error:
         return str(error)
     if job.bound_frames is not None:
-        bounded(path, job.out, job.run.name, job.bound_frames, job.case)
+        bounded(path, job.out, job.run.name, job.bound_frames, job.bound_samples, job.case)
     return None
 
 

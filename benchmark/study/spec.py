@@ -30,8 +30,9 @@ class Study(Spec):
     ``design``: each factor through its levels with the others as the scenario has them (``one-at-a-time``); all combinations of
     levels (``factorial``; ``sphere`` where the one factor is a direction); or ``samples`` · (factors + 2) points of Saltelli's
     scheme, for variance-based indices (``sobol``). Poses and random streams are the same at every point. ``bound_frames``: of which
-    frames of each data set the information limit is found. ``references``: for each modality the method that others are
-    measured by; ``frozen``: its mean charge for each factor as it once was, so that the measure stays the same.
+    frames of each data set the information limit is found, from renderings of ``bound_samples`` samples a pixel. ``references``:
+    for each modality the method that others are measured by; ``frozen``: its mean charge over each factor's levels as it once was,
+    so that the measure stays the same.
     The other fields are a suite's (``benchmark.suite``) and a case's (``benchmark.case``).
     """
 
@@ -53,6 +54,7 @@ class Study(Spec):
     methods: Annotated[dict[Name, Method], Field(min_length=1)]
     factors: Annotated[dict[FactorName, Factor], Field(min_length=1)]
     bound_frames: str | None = None
+    bound_samples: Annotated[int, Field(ge=4, le=4096)] = 16
     references: dict[Modality, str] = Field(default_factory=dict)
     frozen: dict[Modality, dict[str, float]] = Field(default_factory=dict)
     notes: tuple[Note, ...] = ()
