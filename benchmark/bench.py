@@ -21,6 +21,7 @@ DATASETS, ENTRIES = "datasets", "entries"
 
 
 def silent(_: str) -> AbstractContextManager[Progress | None]:
+    """The stages of a run that says nothing of its progress."""
     return nullcontext(None)
 
 
