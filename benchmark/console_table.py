@@ -39,10 +39,11 @@ class _Broken:
 def table(title: str, rows: Sequence[Mapping[str, str]], groups: Sequence[str], left: bool, width: int) -> Table:
     """``rows`` of equal keys in ``width`` columns, as ``benchmark.console.Console.table`` says."""
     made = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, title_style="bold", padding=(0, 0, 0, 1))
-    names, laid = [], []
+    names: list[bool] = []
+    laid = []
     for heading in rows[0]:
         cells = [_printable(row[heading]) for row in rows]
-        names.append(left or any(_LETTERS.search(cell) for cell in cells))
+        names.append(left or (all(names) and any(map(_LETTERS.search, cells))))  # "never" in a column of figures is none
         at = _IN_TEXTS if left else _IN_NAMES if names[-1] else _IN_NUMBERS
         laid.append([_Broken(text, at) for text in (heading if left else _over(heading, cells), *cells)])
     widths = fitted(list(map(_range, laid)), names, width - 2 * len(laid) - 1)

@@ -67,6 +67,13 @@ def test_an_exponent_is_no_hyphen() -> None:
     assert {"9.9e-05", "10000/"} <= _words(_printed(rows, 30))
 
 
+def test_a_word_among_figures_stands_where_figures_stand() -> None:
+    lines = _printed([{"method": "mine", "score": "1605", "breaks": "68.59"}, {"method": "a", "score": "1", "breaks": "never"}], 80)
+    assert lines[-3].rstrip().endswith("  68.59")
+    assert len(lines[-3].rstrip()) == len(lines[-2].rstrip())
+    assert lines[-2].startswith("  a ")
+
+
 def test_a_heading_is_no_wider_than_its_column() -> None:
     lines = _printed([{"method": "a", "frame to frame z cm": "0.0035"}], 100)
     assert [line.split() for line in lines if line.strip()][:4] == [["frame"], ["to"], ["frame"], ["method", "z", "cm"]]
