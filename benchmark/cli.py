@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from benchmark import cli_results
+from benchmark import cli_results, cli_study
 from benchmark.cli_options import (
     Answerers,
     Answers,
@@ -232,11 +232,13 @@ def report(
     verbs.report(folder, Console())
 
 
+cli_study.register(app)
 cli_results.register(app)
 
 INTERRUPTED = {
     "render": "interrupted; finished frames are kept, the same command with --resume goes on",
     "bench": "interrupted; finished frames are kept, the same command goes on",
+    "study": "interrupted; finished points are kept, the same command goes on",
     "demo": "interrupted; finished frames are kept, the same command goes on",
 }
 

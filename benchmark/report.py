@@ -52,7 +52,7 @@ _SECTIONS = (
 
 def write(folder: Path) -> Path:
     """Makes the page of the results in ``folder`` and returns its path."""
-    html = _environment().get_template("report.html.j2").render(known=_KNOWN, **_gathered(folder))
+    html = environment().get_template("report.html.j2").render(known=_KNOWN, **_gathered(folder))
     publish(folder, {PAGE: html.encode()})
     return folder / PAGE
 
@@ -81,7 +81,8 @@ def _gathered(folder: Path) -> dict[str, Any]:
     }
 
 
-def _environment() -> Environment:
+def environment() -> Environment:
+    """What templates are read with: everything is escaped that is not said to be markup."""
     loader = PackageLoader("benchmark", "templates")
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["interval"] = _interval

@@ -15,7 +15,7 @@ from benchmark.chart_stats import bins, cdf, quantile
 from benchmark.chart_time import course, panels
 from benchmark.pool import COLUMNS
 from benchmark.ranking import ranking
-from benchmark.report import _environment
+from benchmark.report import environment
 from benchmark.report_charts import charts
 from scenes.arrays import Floats
 
@@ -56,7 +56,7 @@ def _all(first: str = "one") -> pd.DataFrame:
 
 def _page(groups: tuple[ChartGroup, ...]) -> str:
     source = '{% import "charts.html.j2" as charts %}{{ charts.section(groups) }}'
-    return _environment().from_string(source).render(groups=groups)
+    return environment().from_string(source).render(groups=groups)
 
 
 @pytest.fixture(scope="module")
