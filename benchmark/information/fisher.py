@@ -91,6 +91,14 @@ def in_axes(information: Floats, other_from_own: Rotation) -> Floats:
     return np.asarray(change.T @ information @ change)
 
 
+def stereo_bound(left: Bound, right: Bound, left_from_right: Rotation) -> Bound:
+    """What the pictures of two cameras tell together, in the left one's axes: their noises are independent, informations add.
+
+    Both turn about the target's origin and shift it, so the baseline does not enter; it is in what each picture tells.
+    """
+    return bound(left.information + in_axes(right.information, left_from_right))
+
+
 def pose_error(true: Rotation, true_m: Floats, given: Rotation, given_m: Floats) -> Floats:
     """(n, 6) errors ξ that take true ``sensor_from_target`` to estimated ones; (n, 3) positions, NaN where there is none."""
     return np.hstack([(given * true.inv()).as_rotvec().reshape(-1, 3), np.asarray(given_m - true_m).reshape(-1, 3)])

@@ -9,7 +9,7 @@ import pandas as pd
 
 from benchmark.files import publish
 from benchmark.filter_truth import scan_pose
-from benchmark.information.fisher import AXES, Bound, bound, in_axes
+from benchmark.information.fisher import AXES, Bound, bound, stereo_bound
 from benchmark.information.pictures import SAMPLES, PictureInformation
 from benchmark.information.scans import ScanInformation
 from scenes.arrays import Floats
@@ -99,9 +99,8 @@ def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> 
 
 
 def _rig_row(pair: StereoPair, found: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
-    """What both pictures tell: their noises are independent, so their informations add."""
-    left, right = (_information(found[name]) for name in (pair.left, pair.right))
-    both = bound(left + in_axes(right, pair.right_from_left.rotation.inv()))
+    left, right = (bound(_information(found[name])) for name in (pair.left, pair.right))
+    both = stereo_bound(left, right, pair.right_from_left.rotation.inv())
     inflations = [found[name]["inflation"] for name in (pair.left, pair.right)]
     return dict(_columns(both)) | {"least_eigenvalue": both.least_eigenvalue, "inflation": float(np.max(inflations))}
 

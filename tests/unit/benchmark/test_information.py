@@ -13,6 +13,7 @@ from benchmark.information.fisher import (
     in_axes,
     information,
     pose_error,
+    stereo_bound,
     without_nuisance,
 )
 from benchmark.information.pictures import Derivatives, bounds_of
@@ -85,6 +86,26 @@ def test_other_axes_give_the_same_ellipsoid() -> None:
     error = np.array([0.01, -0.02, 0.03, 0.1, 0.2, -0.3])
     moved = np.concatenate([turn.apply(error[:3]), turn.apply(error[3:])])
     assert moved @ there @ moved == pytest.approx(error @ matrix @ error)
+
+
+def test_two_cameras_know_what_a_joint_fit_to_both_would() -> None:
+    """Rows of both cameras' readings about ξ in the left one's axes, stacked, against the sum of the two bounds."""
+    rng, left_from_right = np.random.default_rng(9), Rotation.from_rotvec([0.2, 1.0, -0.4])
+    left, right = (rng.normal(size=(200, 6)) * [30, 20, 10, 2, 2, 0.5] for _ in range(2))
+    turn = left_from_right.inv().as_matrix()
+    stacked = np.vstack([left, np.hstack([right[:, :3] @ turn, right[:, 3:] @ turn])])
+    found = stereo_bound(bound(left.T @ left), bound(right.T @ right), left_from_right)
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(stacked.T @ stacked), rtol=1e-8)
+    wrong = stereo_bound(bound(left.T @ left), bound(right.T @ right), left_from_right.inv())
+    assert np.abs(wrong.sigma / found.sigma - 1).max() > 0.05
+
+
+def test_one_picture_without_an_image_leaves_what_the_other_tells() -> None:
+    matrix, dark = _some_information(), bound(np.zeros((6, 6)))
+    assert not dark.is_determined
+    for both in (stereo_bound(bound(matrix), dark, Rotation.identity()), stereo_bound(dark, bound(matrix), Rotation.identity())):
+        np.testing.assert_allclose(both.information, matrix)
+        assert both.is_determined
 
 
 def test_an_ideal_estimator_has_efficiency_one_and_one_of_twice_its_spread_a_quarter() -> None:
