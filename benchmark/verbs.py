@@ -214,8 +214,14 @@ def report(folder: Path, console: Console) -> None:
     """Writes the page and says where it is."""
     from benchmark import report as page
     from benchmark.archive import require_datasets
+    from benchmark.study.archive import is_study
 
     require_datasets(folder)
+    if is_study(folder):
+        from benchmark.study import page as of_study
+
+        console.say(f"the page: {of_study.write(folder).resolve()}")
+        return
     console.say(f"the report: {page.write(folder).resolve()}")
 
 

@@ -15,7 +15,12 @@ GROUPS: "tuple[Group, ...]" = ("same data", "other data", "ranking")
 def archive(folder: Path, target: Path, console: Console) -> None:
     """Keeps what is small, and says how small it is."""
     from benchmark import archive as archiving
+    from benchmark.study import archive as of_studies
 
+    if of_studies.is_study(folder):
+        names = of_studies.archive(folder, target)
+        console.say(f"{target}: {len(names)} files, {sum((target / name).stat().st_size for name in names) / 1e6:.1f} MB")
+        return
     kept = archiving.archive(folder, target)
     size = sum((target / name).stat().st_size for name in kept.files)
     frames = sum(one.frames for one in kept.datasets.values())
@@ -26,7 +31,11 @@ def reproduce(kept: Path, out: Path, console: Console) -> int:
     """Prints what a re-run reproduces of a reference, and everything that it does not; 1 if there is such a thing."""
     from benchmark import reference
     from benchmark import reproduce as reproducing
+    from benchmark.study import archive as of_studies
 
+    of_studies.require_study(kept, out)
+    if of_studies.is_study(kept):
+        return _study_again(kept, out, console)
     manifest = reference.read(kept)
     if manifest is None:
         console.note(f"{kept} has no {reference.MANIFEST}: whether it was edited cannot be said")
@@ -39,6 +48,16 @@ def reproduce(kept: Path, out: Path, console: Console) -> int:
     verdict = "reproduced" if found.is_reproduced else f"{len(found.outside)} outside, {len(found.missing)} entries missing"
     console.say(f"{out} against {kept}: {verdict}")
     return 0 if found.is_reproduced else FAULT_FOUND
+
+
+def _study_again(kept: Path, out: Path, console: Console) -> int:
+    """The same of a study: its scores at every level, against the kept intervals."""
+    from benchmark.study.archive import differences
+
+    found = differences(kept, out)
+    console.table("not reproduced", [{"": one} for one in found], left=True)
+    console.say(f"{out} against {kept}: {f'{len(found)} figures outside' if found else 'reproduced'}")
+    return FAULT_FOUND if found else 0
 
 
 def _say(found: "Comparison", console: Console) -> None:

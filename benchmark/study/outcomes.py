@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 
 from benchmark import results
+from benchmark.errors import PredictionsError
 from benchmark.pool import pool
 from benchmark.ranking_rule import charges
 from benchmark.study import bounds, record
 from benchmark.study.record import StudyRecord
-from benchmark.study.run import read_points
 
 _SIGMAS = {"sigma_rotation_rad": "bound_rotation_rad", "sigma_position_m": "bound_position_m"}
 
@@ -27,6 +27,14 @@ class Outcomes:
     record: StudyRecord
     points: pd.DataFrame
     frames: pd.DataFrame
+
+
+def read_points(folder: Path) -> pd.DataFrame:
+    """points.parquet of a study's folder. Raises ``PredictionsError`` where it is lost."""
+    path = folder / record.POINTS
+    if not path.is_file():
+        raise PredictionsError(f"{folder} holds no {record.POINTS}; run hardlight study again")
+    return pd.read_parquet(path)
 
 
 def outcomes(folder: Path) -> Outcomes:

@@ -8,8 +8,6 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 
-import pandas as pd
-
 from benchmark import bench, results
 from benchmark.case import Case, CaseRun
 from benchmark.entries import answer_and_judge
@@ -128,8 +126,3 @@ def _start_worker(threads: int) -> None:
     from renderer import worker
 
     worker.start(threads)
-
-
-def read_points(folder: Path) -> pd.DataFrame:
-    """points.parquet of a study's folder."""
-    return pd.read_parquet(folder / record.POINTS)

@@ -1,17 +1,19 @@
 """A study from end to end: points are rendered and answered alike, resumed without redoing, and differ by the factor alone."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from benchmark.study import run
+from benchmark.study import run, scores
 from benchmark.study.outcomes import Outcomes, outcomes
 from benchmark.study.points import points
 from benchmark.study.spec import Study, load_study
 from scenes.dataset import Dataset
 from scenes.errors import ConfigError, UsageError
+from tests.system.conftest import Ended
 
 STUDY = """
 title = "tiny"
@@ -124,6 +126,29 @@ def test_a_second_run_redoes_nothing_and_an_interrupted_one_only_what_is_missing
     changed = {path for path in after if after[path] != before[path]}
     assert {path.parent for path in changed} == {lost / "frames" / "000002"}
     pd.testing.assert_frame_equal(outcomes(out).frames.drop(columns="cpu_s"), done.frames.drop(columns="cpu_s"))
+
+
+def test_a_study_is_kept_small_and_compared_with(folder: Path, done: Outcomes, hardlight: Callable[..., Ended]) -> None:
+    """The verb finds everything done, scores it and writes the page; what is kept of it holds a re-run to its intervals."""
+    out, kept = folder / "out", folder / "kept"
+    said = hardlight("study", folder / "tiny.toml", "--out", out, "--quiet")
+    assert said.status == 0
+    assert "the page: " in said.out
+    assert (out / "report.html").stat().st_size > 20_000
+    assert hardlight("archive", out, "--to", kept).status == 0
+    assert {path.name for path in kept.iterdir()} == {"study.json", "scores.json", "points.csv", "datasets.json", "report.html"}
+    assert hardlight("reproduce", kept, out).status == 0
+    text = (kept / "scores.json").read_text(encoding="utf-8")
+    one = scores.read(kept).levels[0].charge
+    elsewhere = text.replace(f'"value": {one.value!r}', '"value": 9.0').replace(f'"low": {one.low!r}', '"low": 8.9')
+    (kept / "scores.json").write_text(elsewhere, encoding="utf-8")
+    changed = hardlight("reproduce", kept, out)
+    assert changed.status == 1
+    assert "outside" in changed.out
+    (kept / "mine.txt").write_text("mine")
+    refused = hardlight("archive", out, "--to", kept)
+    assert refused.status == 2
+    assert "mine.txt" in refused.err
 
 
 def test_a_point_is_named_after_its_content(folder: Path, done: Outcomes) -> None:
