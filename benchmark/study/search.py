@@ -53,8 +53,8 @@ def search(
     the trial that it was at. Where a trial is placed follows from the seed and the trials before it alone, so an interrupted search
     comes out as one that was not. The first quarter of the trials is spread evenly, the others are where ``sampler`` expects worse.
     """
-    kept = _kept(storage, f"{sampler}-{seed}-{''.join(axis[0] for axis in dimensions)}")
-    tried = [_tried(trial) for trial in kept.get_trials(deepcopy=False)][:trials]
+    kept = _kept(storage, sampler, seed, dimensions)
+    tried = _tried(kept)[:trials]
     startup = -(-trials // 4)
     while len(tried) < trials:
         if progress is not None:
@@ -70,8 +70,13 @@ def search(
     return SearchRecord(sampler, seed, tuple(tried))
 
 
-def _kept(storage: Path, name: str) -> "optuna.Study":
-    """The trials that are done, by the name of the search. Only what is done ever stands in the journal."""
+def done(storage: Path, sampler: Sampler, seed: int, dimensions: Sequence[Axis]) -> list[Tried]:
+    """The trials of such a search that are done already."""
+    return _tried(_kept(storage, sampler, seed, dimensions))
+
+
+def _kept(storage: Path, sampler: Sampler, seed: int, dimensions: Sequence[Axis]) -> "optuna.Study":
+    """The journal's searches have a name each. Only what is done ever stands there."""
     import optuna
     from optuna.storages.journal import JournalFileBackend
 
@@ -80,6 +85,7 @@ def _kept(storage: Path, name: str) -> "optuna.Study":
         storage.parent.mkdir(parents=True, exist_ok=True)
         _mend(storage)
         journal = optuna.storages.JournalStorage(JournalFileBackend(str(storage)))
+        name = f"{sampler}-{seed}-{''.join(axis[0] for axis in dimensions)}"
         return optuna.create_study(storage=journal, study_name=name, direction="maximize", load_if_exists=True)
     except OSError as error:
         raise StorageError(f"cannot write to {storage}: {error.strerror or error}") from error
@@ -102,6 +108,10 @@ def _trial(unit: Floats, value: float) -> "optuna.trial.FrozenTrial":
     return optuna.trial.create_trial(params=params, distributions=distributions, value=value)
 
 
-def _tried(trial: "optuna.trial.FrozenTrial") -> Tried:
-    assert trial.value is not None  # every trial in the journal is complete
-    return Tried(np.array([trial.params[f"u{axis}"] for axis in range(len(trial.params))]), float(trial.value))
+def _tried(kept: "optuna.Study") -> list[Tried]:
+    found = []
+    for trial in kept.get_trials(deepcopy=False):
+        assert trial.value is not None  # every trial in the journal is complete
+        unit = np.array([trial.params[f"u{axis}"] for axis in range(len(trial.params))], dtype=np.float64)
+        found.append(Tried(unit, float(trial.value)))
+    return found

@@ -1,0 +1,52 @@
+"""What is searched for the worst light, and how: a study with one method alone."""
+
+from dataclasses import dataclass
+
+from benchmark.methods import source_digest
+from benchmark.study.search_proposals import Axis, Sampler
+from benchmark.study.spec import Study
+from benchmark.subjects import Modality
+from scenes.errors import UsageError, unknown
+from scenes.provenance import sha256_of_json, software_versions
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hunt:
+    """What is searched: ``study`` with one method alone (``narrowed``), and how. ``avoid_dark``: see ``narrowed``."""
+
+    study: Study
+    method: str
+    modality: Modality | None
+    trials: int
+    seed: int
+    sampler: Sampler
+    avoid_dark: bool
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The unit cube's: a direction is a line (its cosine) and a circle (its azimuth)."""
+        found: list[Axis] = []
+        for one in self.study.factors.values():
+            found += ["line", "circle"] if one.dimensions == 2 else ["line"]
+        return tuple(found)
+
+    @property
+    def identity(self) -> str:
+        """Digest of all that a trial's value follows from."""
+        source = source_digest(self.study.methods[self.method].estimator)
+        return sha256_of_json([self.study.model_dump(mode="json"), source, software_versions(), self.avoid_dark])
+
+
+def narrowed(study: Study, method: str, modality: Modality | None, avoid_dark: bool) -> Study:
+    """``study`` with this method alone, without bounds unless dark lights are to be left out. Raises ``UsageError``."""
+    if method not in study.methods:
+        raise UsageError(unknown("method of this study", method, study.methods))
+    one = study.methods[method]
+    if modality is not None:
+        if one.modality not in (None, modality):
+            raise UsageError(f"--modality {modality}: {method} is a method for {one.modality}")
+        one = one.model_copy(update={"modality": modality})
+    alone = {"methods": {method: one}, "references": {}, "frozen": {}}
+    design = "sphere" if study.design == "sphere" else "factorial"  # what is tried is no Sobol design
+    bounds = (study.bound_frames or "0") if avoid_dark else None
+    return study.model_copy(update={**alone, "design": design, "bound_frames": bounds})
