@@ -23,7 +23,7 @@ def study(name: str, out: Path | None, workers: int, only_plan: bool, console: C
 def _plan(study: "Study", workers: int, console: Console) -> None:
     from benchmark.study.plan import plan
 
-    with console.stage("plan: one point is tried"):
+    with console.stage("plan: two points are tried"):
         ahead = plan(study, workers)
     console.say(ahead.sentence())
 

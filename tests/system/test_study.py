@@ -151,6 +151,19 @@ def test_a_study_is_kept_small_and_compared_with(folder: Path, done: Outcomes, h
     assert "mine.txt" in refused.err
 
 
+def test_a_plan_says_frames_time_and_disk_and_leaves_nothing(
+    folder: Path, tmp_path: Path, hardlight: Callable[..., Ended], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = study_of(folder)
+    (tmp_path / "tiny.toml").write_text(STUDY, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    said = hardlight("study", "./tiny.toml", "--plan", "--workers", 2)
+    assert said.status == 0
+    assert said.out.startswith(f"{len(points(study))} points, {3 * len(points(study))} frames × 1 sensor: about ")
+    assert "GB of disk" in said.out
+    assert [path.name for path in tmp_path.iterdir()] == ["tiny.toml"]
+
+
 def test_a_point_is_named_after_its_content(folder: Path, done: Outcomes) -> None:
     wider = STUDY.replace("levels = [0.03, 1.0]", "levels = [0.03, 0.5, 1.0, 2.0]")
     names = {point.name for point in points(study_of(folder, wider))}
