@@ -239,6 +239,7 @@ INTERRUPTED = {
     "render": "interrupted; finished frames are kept, the same command with --resume goes on",
     "bench": "interrupted; finished frames are kept, the same command goes on",
     "study": "interrupted; finished points are kept, the same command goes on",
+    "worst": "interrupted; finished trials are kept, the same command goes on",
     "demo": "interrupted; finished frames are kept, the same command goes on",
 }
 

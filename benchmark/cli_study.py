@@ -3,7 +3,7 @@
 # ruff: noqa: ARG001 - main reads --debug, because a verb that fails cannot
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -20,6 +20,8 @@ def register(app: typer.Typer) -> None:
     """Gives ``app`` the verbs."""
     studying = example("hardlight study sun-sphere --out out/sun-sphere --workers 2")
     app.command(short_help="which light breaks whom: a factor's levels, all else equal", epilog=studying)(study)
+    hunting = example("hardlight worst sun-sphere --method mono-rectangle --trials 60")
+    app.command(short_help="search a study's ranges for the light that hurts a method most", epilog=hunting)(worst)
 
 
 def study(
@@ -37,3 +39,24 @@ def study(
     from benchmark import verbs_study
 
     verbs_study.study(name, out, workers, plan, Console(quiet))
+
+
+def worst(
+    name: Asked,
+    method: Annotated[str, typer.Option("--method", help="Which of the study's methods.")],
+    modality: Annotated[Literal["mono", "stereo", "lidar"] | None, typer.Option(help="Which of what it answers.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder; out/STUDY/worst/METHOD where left out.")] = None,
+    trials: Annotated[int, typer.Option(min=1, max=100_000, help="Points that are tried in all.")] = 60,
+    sampler: Annotated[Literal["tpe", "cmaes"], typer.Option(help="What chooses the points after the first quarter.")] = "tpe",
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of the search, not of the pictures.")] = 0,
+    avoid_dark: Annotated[bool, typer.Option("--avoid-dark", help="Leave out lights in which nobody could know the pose.")] = False,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Search a study's factors, between their ends, for the setting that hurts one method most, and show it.
+
+    A search that was interrupted goes on where it was, and comes out the same; one with more trials goes on from fewer.
+    """
+    from benchmark import verbs_worst
+
+    verbs_worst.worst(name, method, modality, out, trials, sampler, seed, avoid_dark, Console(quiet))

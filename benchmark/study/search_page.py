@@ -1,6 +1,5 @@
 """report.html and worst.png of a search: what hurt most so far over the trials, the ten worst points, the worst one's picture."""
 
-import html
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -80,6 +79,8 @@ def lines(found: WorstRecord) -> tuple[Line, ...]:
 
 def chart(found: WorstRecord) -> str:
     """The mean score of each trial, and the largest so far, as SVG."""
+    from matplotlib.ticker import MaxNLocator
+
     from benchmark.chart_style import canvas, dress, finished
     from benchmark.report_plots import INK, SERIES
 
@@ -92,10 +93,11 @@ def chart(found: WorstRecord) -> str:
         axes.plot(number[failed], values[failed], "X", color=SERIES[5], markersize=5, markeredgewidth=0)
         axes.axvline(-(-len(number) // 4) + 0.5, color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
         axes.set_xlim(0.5, len(number) + 0.5)
-        axes.set_ylim(0, 1.08 * max(float(values.max()), 1e-3))
+        top = max(float(values.max()), 1e-3)
+        axes.set_ylim(-0.04 * top, 1.08 * top)
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         dress(axes, "trial", "mean score")
-        best = html.escape(found.sentence, quote=False)
-        return finished(figure, "search-", f"Mean score over {len(number)} trials, and the largest so far. {best}")
+        return finished(figure, "search-", f"Mean score over the trials, and the largest so far. {found.sentence}")
 
 
 def _row(folder: Path, found: WorstRecord) -> pd.Series | None:

@@ -99,7 +99,8 @@ class WorstRecord(Spec):
             return "The bound was not found."
         if self.bound.rotation_rad is None:
             return "The bound is undetermined there: what was seen does not tell the pose, so nobody could have known it."
-        return f"The light there leaves the attitude knowable to σ = {math.degrees(self.bound.rotation_rad):.2g}° (its Cramér-Rao bound)."
+        sigma_deg = math.degrees(self.bound.rotation_rad)
+        return f"The light there leaves the attitude knowable to σ = {sigma_deg:.2g}° (its Cramér-Rao bound)."
 
 
 def chosen(trials: tuple[TrialRecord, ...]) -> int | None:
