@@ -28,18 +28,20 @@ def bounds_table(
     progress: Progress | None = None,
     sensors: Iterable[str] | None = None,
     samples: int = SAMPLES,
+    light_direction: bool = False,
 ) -> pd.DataFrame:
     """A row per (frame, sensor): ``information_<a>_<b>`` (the upper triangle), ``sigma_<a>``, both in rad and m in the sensor's
     axes, and their sums ``sigma_rotation_rad``, ``sigma_position_m``; NaN σ where the pose is undetermined.
 
     ``sensors``: cameras, rigs and LIDARs, all of them where left out. ``samples``: of each pixel in each of the renderings. Of a
-    camera also ``*_rendered``, ``*_gain_and_offset`` and ``*_model_5`` (``PictureBounds``) and ``inflation``; of a LIDAR ``beams``
-    and ``leverage``. A rig's row is in its left camera's axes and holds what both pictures tell together.
+    camera also ``*_rendered``, ``*_gain_and_offset``, ``*_model_5`` and, where asked for, ``*_light_direction`` (``PictureBounds``)
+    and ``inflation``; of a LIDAR ``beams`` and ``leverage``. A rig's row is in its left camera's axes and holds what both pictures
+    tell together.
     """
     chosen = list(dataset.frames if frames is None else frames)
     wanted = list(sensors_of(dataset) if sensors is None else sensors)
     scenario, truth = Scenario.model_validate(dataset.scenario), dataset.truth_table().set_index(["frame", "sensor"])
-    makers = _makers(dataset, scenario, truth, wanted, samples)
+    makers = _makers(dataset, scenario, truth, wanted, {"samples": samples, "light_direction": light_direction})
     rows, done, total = [], 0, len(chosen) * len(makers)
     for frame in chosen:
         found: dict[str, dict[str, float]] = {}
@@ -71,14 +73,14 @@ def informations(table: pd.DataFrame) -> Floats:
 
 
 def _makers(
-    dataset: Dataset, scenario: Scenario, truth: pd.DataFrame, wanted: list[str], samples: int
+    dataset: Dataset, scenario: Scenario, truth: pd.DataFrame, wanted: list[str], how: Mapping[str, Any]
 ) -> dict[str, Callable[[int], dict[str, float]]]:
     """For each sensor that is wanted, or belongs to a rig that is, what gives a frame's row."""
     pairs = [dataset.rigs[name] for name in wanted if name in dataset.rigs]
     needed = {*wanted, *(name for pair in pairs for name in (pair.left, pair.right))}
 
     def of_camera(name: str) -> Callable[[int], dict[str, float]]:
-        pictures = PictureInformation(scenario, name, samples)
+        pictures = PictureInformation(scenario, name, **how)
         return lambda frame: _camera_row(pictures, frame, float(dataset.state(frame)["exposure_s"][name]))
 
     def of_lidar(name: str) -> Callable[[int], dict[str, float]]:
@@ -92,9 +94,10 @@ def _makers(
 def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> dict[str, float]:
     found = pictures.bounds(frame, exposure_s)
     row = dict(_columns(found.known)) | {"least_eigenvalue": found.known.least_eigenvalue, "inflation": found.inflation}
-    for name in ("rendered", "gain_and_offset", "model_5"):
-        variant: Bound = getattr(found, name)
-        row |= {f"sigma_rotation_rad_{name}": variant.rotation_rad, f"sigma_position_m_{name}": variant.position_m}
+    for name in ("rendered", "gain_and_offset", "model_5", "light_direction"):
+        variant: Bound | None = getattr(found, name)
+        if variant is not None:
+            row |= {f"sigma_rotation_rad_{name}": variant.rotation_rad, f"sigma_position_m_{name}": variant.position_m}
     return row
 
 

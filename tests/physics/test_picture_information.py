@@ -1,4 +1,4 @@
-"""The bound from rendered pictures: an edge in closed form, other axes and seeds, more light, unknown size and light; fits reach it."""
+"""The bound from rendered pictures: an edge in closed form, other axes, seeds and light, an unknown size; fits that reach it."""
 
 from typing import Any
 
@@ -124,6 +124,30 @@ def _least_eigenvalue(matrix: np.ndarray) -> float:
     """Of the information scaled to a unit diagonal."""
     scale = 1 / np.sqrt(np.diag(matrix))
     return float(np.linalg.eigvalsh(matrix * np.outer(scale, scale))[0])
+
+
+@pytest.mark.slow
+def test_an_unknown_light_never_adds_and_costs_a_matt_body_little() -> None:
+    """Of a matt body the light's direction is a brightness of each face, next to no place of an edge."""
+    maker = PictureInformation(_scenario(psf_px=0.6, turned_deg=25.0), "nav", 64, light_direction=True)
+    found = maker.derivatives(0, _EXPOSURE_S)
+    bounds = bounds_of(found, maker.weight(found, _EXPOSURE_S))
+    assert bounds.light_direction is not None
+    assert (bounds.light_direction.sigma >= 0.999 * bounds.known.sigma).all()
+    assert 1.001 < bounds.light_direction.rotation_rad / bounds.known.rotation_rad < 3.0
+
+
+def test_a_face_grows_darker_with_the_cosine_as_the_light_is_turned() -> None:
+    """∂μ/∂α = μ (n · (a × l)) / (n · l) of a matt face with normal n in light from l that is turned about a."""
+    scenario = _scenario(psf_px=0.6)
+    maker = PictureInformation(scenario, "nav", 256, light_direction=True)
+    found = maker.derivatives(0, _EXPOSURE_S)
+    assert found.light is not None
+    normal, towards = np.array([0.0, 0.0, -1.0]), np.array([0.1, -0.2, -1.0]) / np.linalg.norm([0.1, -0.2, -1.0])
+    inside = found.mean_e > 0.9 * np.quantile(found.mean_e, 0.99)
+    for axis, first, second in zip(Neighbours(scenario, "nav", 4).across_light(0), *found.light, strict=True):
+        expected = found.mean_e[inside] * (normal @ np.cross(axis, towards)) / (normal @ towards)
+        np.testing.assert_allclose(np.median((first + second)[inside] / 2), np.median(expected), rtol=0.02)
 
 
 @pytest.mark.slow

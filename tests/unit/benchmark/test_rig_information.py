@@ -44,7 +44,7 @@ def _rows(monkeypatch: pytest.MonkeyPatch, right_from_left: RigidTransform, aske
     poses = {"a-left": _LEFT, "a-right": right_from_left * _LEFT}
 
     class Seen:
-        def __init__(self, scenario: Scenario, sensor: str, samples: int) -> None:
+        def __init__(self, scenario: Scenario, sensor: str, **how: object) -> None:
             self.pose = poses[sensor]
 
         def bounds(self, frame: int, exposure_s: float) -> PictureBounds:
