@@ -1,0 +1,166 @@
+"""A search's trials with frames that were made up: what counts, what is left out as dark, what an earlier process learnt."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmark.study import search_trials
+from benchmark.study.points import Point
+from benchmark.study.search_hunt import Hunt, narrowed
+from benchmark.study.search_proposals import Tried
+from benchmark.study.search_trials import Trials
+from benchmark.study.spec import Study, load_study
+from scenes.errors import UsageError
+
+STUDY = """
+title = "made up"
+design = "factorial"
+frames = "0:2"
+features = ["wing"]
+
+[methods.one]
+estimator = "mono-rectangle"
+
+[methods.two]
+estimator = "mono-rectangle"
+modality = "mono"
+
+[factors.range]
+title = "Range"
+unit = "m"
+paths = ["motion.range_m"]
+range = [100.0, 200.0]
+
+[factors.sun]
+type = "direction"
+title = "Sun"
+light = "sun"
+
+[scenario]
+frame_count = 2
+quality = "draft"
+target = "zhai2014-target"
+
+[scenario.cameras.nav]
+base = "guppy-f125b"
+width_px = 640
+height_px = 128
+
+[scenario.lights]
+sun = "sun"
+
+[scenario.motion]
+type = "axis-sweep"
+axis = "y"
+start_deg = 20.0
+rate_deg_s = 1.0
+range_m = 100.0
+"""
+Frames = Callable[[float], tuple[float, float]]
+"""metres → what a frame costs, its bound in rad"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("study") / "made-up.toml"
+    path.write_text(STUDY, encoding="utf-8")
+    return load_study(str(path))
+
+
+@pytest.fixture
+def trials(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trials]:
+    """trials(frames, avoid_dark) → the objective, whose points are not rendered but made up by ``frames``."""
+
+    def make(frames: Frames, avoid_dark: bool = True) -> Trials:
+        def made(_: Trials, points: Sequence[Point], command: str = "") -> pd.DataFrame:
+            rows = []
+            for point in points:
+                charge, bound = frames(float(point.values["range"]))  # type: ignore[arg-type]
+                rows += [(point.name, "mono", charge, charge, True, charge < 1, True, bound)] * 2
+            columns = ["point", "modality", "charge", "geodesic_deg", "answered", "right", "bound_asked", "bound_rotation_rad"]
+            return pd.DataFrame(rows, columns=columns)
+
+        monkeypatch.setattr(Trials, "_frames", made)
+        hunt = Hunt(narrowed(study, "one", None, avoid_dark), "one", None, 4, 0, "tpe", avoid_dark)
+        return Trials(hunt, tmp_path, study.scenario.model_dump(mode="json"))
+
+    return make
+
+
+def at(metres: float) -> np.ndarray:
+    return np.array([(metres - 100) / 100, 0.5, 0.5])
+
+
+def test_lights_too_dark_for_anybody_count_nothing(trials: Callable[..., Trials]) -> None:
+    objective = trials(lambda metres: (2.0, {100: 0.01, 120: 0.09, 140: 0.11, 160: np.nan}[round(metres)]))
+    assert objective(at(160)) == 0.0  # undetermined
+    assert objective(at(100)) == pytest.approx(2.0, abs=1e-3)
+    assert objective(at(120)) == pytest.approx(2.0, abs=1e-3)
+    assert objective(at(140)) == 0.0  # eleven times the best
+
+
+def test_they_count_where_they_are_not_to_be_left_out(trials: Callable[..., Trials]) -> None:
+    assert trials(lambda _: (2.0, np.nan), avoid_dark=False)(at(160)) == pytest.approx(2.0, abs=1e-3)
+
+
+def test_the_best_bound_is_recalled_by_a_later_process(trials: Callable[..., Trials]) -> None:
+    objective, forgetful = (trials(lambda metres: (2.0, 0.01 if metres < 110 else 0.11)) for _ in range(2))
+    assert forgetful(at(150)) > 0  # the control: alone it is the best one
+    objective.recall([Tried(at(100), 2.0)])
+    assert objective(at(150)) == 0.0
+
+
+def test_in_the_end_all_are_held_against_the_best_of_all(trials: Callable[..., Trials]) -> None:
+    """The first one counted when it was tried, and is dark beside what came later."""
+    objective = trials(lambda metres: (2.0, 0.5 if metres > 150 else 0.01))
+    tried = [Tried(at(metres), objective(at(metres))) for metres in (200, 100)]
+    assert tried[0].value > 0
+    _, told = objective.all_of(tried, "")
+    assert [one.is_dark for one in told] == [True, False]
+
+
+def test_a_scenario_that_is_refused_costs_nothing_and_is_told(
+    trials: Callable[..., Trials], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    objective = trials(lambda _: (2.0, 0.01), avoid_dark=False)
+
+    def refused(*_: object) -> Point:
+        raise UsageError("it points nowhere")
+
+    monkeypatch.setattr(search_trials, "point_at", refused)
+    assert objective(at(100)) == 0.0
+    _, (told,) = objective.all_of([Tried(at(100), 0.0)], "")
+    assert told.refused == "it points nowhere"
+    assert not told.is_failure
+
+
+def test_a_direction_is_a_line_and_a_circle(study: Study) -> None:
+    hunt = Hunt(narrowed(study, "one", None, False), "one", None, 4, 0, "tpe", False)
+    assert hunt.axes == ("line", "line", "circle")
+
+
+def test_only_the_method_runs_and_bounds_only_where_they_are_needed(study: Study) -> None:
+    plain, dark = (narrowed(study, "two", None, avoid_dark) for avoid_dark in (False, True))
+    assert list(plain.methods) == ["two"]
+    assert plain.bound_frames is None
+    assert dark.bound_frames == "0"
+    assert narrowed(study, "one", "mono", False).methods["one"].modality == "mono"
+
+
+def test_searches_of_different_things_are_not_the_same(study: Study) -> None:
+    def identity(name: str, avoid_dark: bool) -> str:
+        return Hunt(narrowed(study, name, None, avoid_dark), name, None, 4, 0, "tpe", avoid_dark).identity
+
+    assert len({identity("one", False), identity("two", False), identity("one", True)}) == 3
+    assert identity("one", False) == identity("one", False)
+
+
+@pytest.mark.parametrize(
+    ("method", "modality", "says"), [("ona", None, "did you mean 'one'"), ("two", "lidar", "two is a method for mono")]
+)
+def test_what_cannot_be_searched_is_refused(study: Study, method: str, modality: str | None, says: str) -> None:
+    with pytest.raises(UsageError, match=says):
+        narrowed(study, method, modality, False)  # type: ignore[arg-type]
