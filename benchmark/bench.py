@@ -10,6 +10,7 @@ from benchmark.entries import Task, done_here, done_in_processes
 from benchmark.limits import Limits
 from benchmark.progress import Progress
 from benchmark.results import CaseHeading, Entry, Results
+from benchmark.study import bounds
 from benchmark.suite import Suite
 from estimators import registry
 from scenes.dataset import Dataset
@@ -49,6 +50,7 @@ def bench(
     for case, run in runs:
         path = out / DATASETS / run.name
         render_run(suite, case, run, path, workers, quality, stages)
+        bound_run(suite, case, run, path, out, stages)
         tasks += tasks_of(suite, case, run, path, out, None if in_process else case.limits or suite.limits)
     if workers == 1:
         done_here(tasks, stages)
@@ -95,6 +97,16 @@ def render_run(
         )
 
 
+def bound_run(suite: Suite, case: Case, run: CaseRun, path: Path, out: Path, stages: Stages) -> None:
+    """The information limit of the frames that the suite, or the case, names; found once, kept in ``out``."""
+    frames = case.bounds or suite.bounds
+    if frames is not None:
+        from benchmark.information.pictures import SAMPLES
+
+        with stages(f"bound {run.name}: {len(case.bounded(frames))} frames") as progress:
+            bounds.bounded(path, out, run.name, frames, SAMPLES, case, progress)
+
+
 def refuse_unknown_methods(suite: Suite) -> None:
     """Before anything is rendered. One named by ``package.module:Class`` may come or not: that is its own matter."""
     for title, method in suite.methods.items():
@@ -119,6 +131,7 @@ def tasks_of(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, l
                 folder=out / ENTRIES / run.name / subject.name / title,
                 limits=limits,
                 reuse=limits is not None,
+                bounds=bounds.path_of(out, run.name) if case.bounds or suite.bounds else None,
             )
 
 

@@ -31,9 +31,10 @@ class Case(Spec):
     """One data set: a scenario and its frames; which features and which LIDAR are asked for, by which methods (none named: all).
 
     The frames of the first ``settle_s`` seconds are answered but not judged: a filter needs time that a frame-by-frame
-    method does not. ``quality``, ``prior_sigma_px`` and ``limits`` go before the suite's own. A circle is measured by the stereo
-    rig ``rig``, which needs no name where the scenario has one. Instead of features a case may ask for what ``lidar`` measures,
-    which needs no name where the scenario has nothing else. ``seeds``, a list or how many from 0, makes a data set of each.
+    method does not. ``quality``, ``prior_sigma_px``, ``limits`` and ``bounds`` go before the suite's own. A circle is measured by
+    the stereo rig ``rig``, which needs no name where the scenario has one. Instead of features a case may ask for what ``lidar``
+    measures, which needs no name where the scenario has nothing else. ``seeds``, a list or how many from 0, makes a data set of
+    each.
     """
 
     name: Name
@@ -46,6 +47,7 @@ class Case(Spec):
     quality: Quality | None = None
     prior_sigma_px: NonNegative | None = None
     limits: Limits | None = None
+    bounds: str | None = None
     rig: str | None = None
     lidar: str | None = None
     features: tuple[str, ...] = ()
@@ -62,6 +64,12 @@ class Case(Spec):
             if name not in there:
                 raise ValueError(unknown("feature of the scenario's target", name, there))
             self._refuse_unmeasurable(there[name])
+        return self
+
+    @model_validator(mode="after")
+    def _bounds_are_of_its_frames(self) -> "Case":
+        if self.bounds is not None:
+            self.bounded(self.bounds)
         return self
 
     @model_validator(mode="after")
@@ -99,6 +107,13 @@ class Case(Spec):
     def selected(self) -> range:
         """The frame numbers."""
         return parse_frames(self.frames, self.scenario.frame_count)
+
+    def bounded(self, bounds: str) -> range:
+        """The places among its frames that ``bounds`` names. Raises ``ValueError`` where it has no such."""
+        try:
+            return parse_frames(bounds, len(self.selected))
+        except UsageError as error:
+            raise ValueError(str(error).replace("--frames", "bounds")) from None
 
     @property
     def subjects(self) -> tuple[Subject, ...]:

@@ -23,7 +23,7 @@ class Task:
     """What makes one entry. ``feature`` or ``lidar`` says what is asked for; ``folder`` takes answers and scores.
 
     The method runs in a process of its own within ``limits``; where these are None, in the one that makes the entry. With
-    ``reuse`` answers are kept that are there already and would come out the same.
+    ``reuse`` answers are kept that are there already and would come out the same. ``bounds``: a file of the data set's bounds.
     """
 
     run: CaseRun
@@ -38,6 +38,7 @@ class Task:
     folder: Path
     limits: Limits | None
     reuse: bool = True
+    bounds: Path | None = None
 
     @property
     def name(self) -> str:
@@ -74,6 +75,8 @@ def done_in_processes(tasks: Sequence[Task], workers: int, stages: Stages) -> No
 
 def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
     """Declares, lets the method answer and judges it; all that is left behind lies in the task's folder."""
+    import pandas as pd
+
     from benchmark import freshness, judge, run
     from benchmark.knowledge import declare
 
@@ -100,9 +103,10 @@ def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
         forgiving=True,
         reuse=task.reuse,
     )
-    if not (task.reuse and freshness.is_judged(task.folder, dataset, task.settle_s)):
-        judge.write(task.folder, judge.judge(given, dataset, task.settle_s))
-        freshness.mark_judged(task.folder, dataset, task.settle_s)
+    if not (task.reuse and freshness.is_judged(task.folder, dataset, task.settle_s, task.bounds)):
+        bounds = None if task.bounds is None else pd.read_parquet(task.bounds)
+        judge.write(task.folder, judge.judge(given, dataset, task.settle_s, bounds))
+        freshness.mark_judged(task.folder, dataset, task.settle_s, task.bounds)
 
 
 def _start_worker() -> None:

@@ -3,11 +3,11 @@
 import numpy as np
 import pandas as pd
 
-from benchmark import filter_scores, symmetry
+from benchmark import bound_scores, filter_scores, symmetry
 from benchmark.filter_gauge import gauge_of, in_target_frame
 from benchmark.filter_summary import FilterSummary, filter_summary
 from benchmark.filter_truth import true_states
-from benchmark.pose_errors import attitude_errors, position_errors
+from benchmark.pose_errors import attitude_errors, error_vectors, position_errors
 from benchmark.predictions import TRANSLATION, Predictions, positions
 from benchmark.score_table import extras_of, opened
 from scenes.dataset import Dataset
@@ -16,8 +16,10 @@ from scenes.dataset import Dataset
 _MOST = 1e12
 
 
-def filter_track(predictions: Predictions, dataset: Dataset, sensor: str, group: str) -> tuple[pd.DataFrame, int, FilterSummary]:
-    """The score rows of one LIDAR, how often the labelling changed, and what the states come to.
+def filter_track(
+    predictions: Predictions, dataset: Dataset, sensor: str, group: str, bounds: pd.DataFrame | None = None
+) -> tuple[pd.DataFrame, int, FilterSummary]:
+    """The score rows of one LIDAR, with ``bounds`` also against these, how often the labelling changed, what the states come to.
 
     ``group``: the target's symmetry. A method that declares no knowledge counts as one that was told no model.
     """
@@ -29,6 +31,8 @@ def filter_track(predictions: Predictions, dataset: Dataset, sensor: str, group:
     posed, answered = in_target_frame(table, gauge), (table["outcome"] == "ok").to_numpy()
     errors, switches = attitude_errors(truth, posed, answered, symmetry.group("none"), symmetry.group(group))
     scores = scores.assign(**errors, **position_errors(positions(truth), positions(posed), errors["speed_rotation"]))
+    vectors = error_vectors(truth, posed, answered, symmetry.group("none"))
+    scores = scores.assign(**bound_scores.columns(bounds, sensor, truth.index, vectors))
     scores = scores.assign(**filter_scores.columns(truth, table, extras, true, gauge))
     return scores, switches, filter_summary(scores, gauge)
 

@@ -19,14 +19,15 @@ _SOURCES = (".py", ".j2", ".css", ".js", ".toml")
 _ANSWERS = (predictions.TABLE, predictions.RECORD, predictions.EXTRAS)
 
 
-def is_judged(folder: Path, dataset: Dataset, settle_s: float) -> bool:
+def is_judged(folder: Path, dataset: Dataset, settle_s: float, bounds: Path | None = None) -> bool:
     """Whether ``folder`` holds the scores of its answers as this program would write them."""
-    return (folder / JUDGED).is_file() and (folder / JUDGED).read_text(encoding="utf-8") == _judgement(folder, dataset, settle_s)
+    mark = folder / JUDGED
+    return mark.is_file() and mark.read_text(encoding="utf-8") == _judgement(folder, dataset, settle_s, bounds)
 
 
-def mark_judged(folder: Path, dataset: Dataset, settle_s: float) -> None:
+def mark_judged(folder: Path, dataset: Dataset, settle_s: float, bounds: Path | None = None) -> None:
     """Says of the scores in ``folder`` what they were made of."""
-    publish(folder, {JUDGED: _judgement(folder, dataset, settle_s).encode()})
+    publish(folder, {JUDGED: _judgement(folder, dataset, settle_s, bounds).encode()})
 
 
 def is_reported(folder: Path, index: Results) -> bool:
@@ -39,9 +40,9 @@ def mark_reported(folder: Path, index: Results) -> None:
     publish(folder, {REPORTED: _page(folder, index).encode()})
 
 
-def _judgement(folder: Path, dataset: Dataset, settle_s: float) -> str:
+def _judgement(folder: Path, dataset: Dataset, settle_s: float, bounds: Path | None) -> str:
     here = _digests(folder / name for name in (*_ANSWERS, SCORES, SUMMARY))
-    truth = _digests([dataset.path / TRUTH_TABLE])
+    truth = _digests([dataset.path / TRUTH_TABLE, *([] if bounds is None else [bounds])])
     return sha256_of_json([_program(), dataset.identity, settle_s, truth, here])
 
 

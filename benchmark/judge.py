@@ -10,13 +10,13 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from benchmark import ring_scores, symmetry
+from benchmark import bound_scores, ring_scores, symmetry
 from benchmark.angles import angle_of_axis
 from benchmark.errors import PredictionsError
 from benchmark.files import publish
 from benchmark.filter_summary import FilterSummary
 from benchmark.filter_track import filter_track
-from benchmark.pose_errors import attitude_errors, position_errors
+from benchmark.pose_errors import attitude_errors, error_vectors, position_errors
 from benchmark.predictions import Predictions, positions
 from benchmark.records import KnowledgeRecord
 from benchmark.ring_subject import LABELLING, RingSubject, subject_of
@@ -47,10 +47,13 @@ class _Track:
     filter: FilterSummary | None = None
 
 
-def judge(predictions: Predictions, dataset: Dataset, settle_s: float = 0.0) -> Judgement:
+def judge(
+    predictions: Predictions, dataset: Dataset, settle_s: float = 0.0, bounds: pd.DataFrame | None = None
+) -> Judgement:
     """Scores every frame of ``dataset``. A frame without an answer is ``skipped`` and counts as a failure.
 
     The summary leaves out the first ``settle_s`` seconds, in which a suite lets filters settle; the score rows have all frames.
+    ``bounds``: what ``hardlight bound`` found of the data set; the score rows then say how near the answers come to it.
     Raises ``PredictionsError`` where the answers belong to another data set, or name frames or sensors it does not have.
     """
     refuse_strangers(predictions, dataset)
@@ -59,7 +62,7 @@ def judge(predictions: Predictions, dataset: Dataset, settle_s: float = 0.0) -> 
     group = LABELLING if ring is not None else symmetry_of(knowledge, scenario)
     tables, summaries = [], []
     for sensor in dict.fromkeys(predictions.table["sensor"]):
-        track = _track(predictions, dataset, str(sensor), group, ring)
+        track = _track(predictions, dataset, str(sensor), group, ring, bounds)
         scores = track.scores
         settled = scores[scores["time_s"] >= scores["time_s"].min() + settle_s]
         if settled.empty:
@@ -109,10 +112,12 @@ def swept_angle(scenario: Mapping[str, Any]) -> str | None:
     return angle_of_axis(motion["axis"]) if motion.get("type") == "axis-sweep" else None
 
 
-def _track(predictions: Predictions, dataset: Dataset, sensor: str, group: str, ring: RingSubject | None) -> _Track:
+def _track(
+    predictions: Predictions, dataset: Dataset, sensor: str, group: str, ring: RingSubject | None, bounds: pd.DataFrame | None
+) -> _Track:
     """The score rows of one sensor, how often the labelling changed, and of a LIDAR what the states come to."""
     if sensor in dataset.lidars:
-        return _Track(*filter_track(predictions, dataset, sensor, group))
+        return _Track(*filter_track(predictions, dataset, sensor, group, bounds))
     truth, table, scores = opened(predictions, dataset, sensor)
     answered = (table["outcome"] == "ok").to_numpy()
     labels = _labels(predictions, dataset, group) if ring is None else ring.labels
@@ -120,6 +125,9 @@ def _track(predictions: Predictions, dataset: Dataset, sensor: str, group: str, 
     errors, switches = attitude_errors(truth, table, answered, elements, labels)
     true_m, given_m = (positions(one) if ring is None else ring.centres(one) for one in (truth, table))
     scores = scores.assign(**errors, **position_errors(true_m, given_m, errors["speed_rotation"]))
+    vectors = error_vectors(truth, table, answered, elements, None if ring is None else np.array(ring.circle.centre_m))
+    eye = sensor if ring is None else bound_scores.seen_by(dataset, sensor)
+    scores = scores.assign(**bound_scores.columns(bounds, eye, truth.index, vectors))
     if ring is None:
         return _Track(scores, switches)
     extras = None if predictions.extras is None else extras_of(predictions, sensor, truth.index)

@@ -20,10 +20,11 @@ from benchmark.summary import Summary
 
 TRACK = ["run", "subject", "sensor"]
 _LIGHT = ["lit_fraction", "shadow_fraction", "specular_fraction", "saturated_fraction", "visible_fraction"]
+BOUND = ["bound_chi2_attitude", "bound_chi2_pose"]
 _ERRORS = ["geodesic_deg", "position_error_m", "speed_rotation", "speed_position"]
 COLUMNS = (
     "case", "run", "seed", *TRACK[1:], "modality", "method", "frame", "time_s", "outcome", "answered", *_ERRORS, "score", "wrong",
-    "cpu_s", "range_m", "phase_angle_deg", *_LIGHT, "dataset", "answers", "scores",
+    "cpu_s", "range_m", "phase_angle_deg", *_LIGHT, *BOUND, "dataset", "answers", "scores",
 )  # fmt: skip
 
 
@@ -32,7 +33,8 @@ def pool(folder: Path, index: Results) -> pd.DataFrame:
 
     Reads scores and summaries alone, so it works without data sets. Frames in which a suite lets filters settle are left out.
     ``score``: SPEED's rotation score plus its position score; of ``mono`` the rotation's alone, since a rectangle of unknown size
-    has no distance. NaN where a frame has no answer, or a quantity does not apply. Raises ``PredictionsError`` for lost files.
+    has no distance. ``bound_…``: ``benchmark.bound_scores``. NaN where a frame has no answer, or a quantity does not apply. Raises
+    ``PredictionsError`` for lost files.
     """
     parts = [_entry(folder, index, entry, one) for entry in index.entries for one in results.summaries(folder, entry)]
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=list(COLUMNS))
@@ -49,8 +51,8 @@ def _entry(folder: Path, index: Results, entry: Entry, summary: Summary) -> pd.D
     """The rows of one entry on one sensor."""
     scores, modality = _settled(folder, entry, summary), modality_of(summary)
     answered = (scores["outcome"] == "ok").to_numpy()
-    rows = scores.reindex(columns=["frame", "time_s", "outcome", *_ERRORS, "cpu_s", "range_m", "phase_angle_deg", *_LIGHT])
-    rows.loc[~answered, _ERRORS] = np.nan
+    rows = scores.reindex(columns=["frame", "time_s", "outcome", *_ERRORS, "cpu_s", "range_m", "phase_angle_deg", *_LIGHT, *BOUND])
+    rows.loc[~answered, [*_ERRORS, *BOUND]] = np.nan
     heading = next((case for case in index.cases if case.name == entry.case), None)
     rows = rows.assign(
         case=index.bases.get(entry.case, entry.case),

@@ -6,7 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from benchmark import metrics, symmetry
 from benchmark.angles import ANGLE_NAMES, paper_angles, wrapped
-from benchmark.predictions import rotations
+from benchmark.information.fisher import pose_error
+from benchmark.predictions import positions, rotations
 from scenes.arrays import Floats
 
 
@@ -30,6 +31,24 @@ def attitude_errors(
         columns[f"{name}_error_deg"][answered] = error
     columns["label"][answered] = frame_labels = symmetry.frame_labels(true, given, labels)
     return columns, symmetry.label_switches(frame_labels)
+
+
+def error_vectors(
+    truth: pd.DataFrame, table: pd.DataFrame, answered: np.ndarray, elements: Rotation, centre_m: Floats | None = None
+) -> Floats:
+    """(n, 6) turns and shifts ξ, sensor axes, that take the true poses to the answered ones; NaN where there is no answer.
+
+    The track's group element is divided out, a turn about ``centre_m`` in the target frame (its origin where left out).
+    """
+    found = np.full((len(truth), 6), np.nan)
+    if not answered.any():
+        return found
+    true, given = rotations(truth[answered]), rotations(table[answered])
+    relabelled = given * elements[symmetry.track_element(true, given, elements)].inv()
+    centre = np.zeros(3) if centre_m is None else np.asarray(centre_m)
+    place = positions(table[answered]) + given.apply(centre) - relabelled.apply(centre)
+    found[answered] = pose_error(true, positions(truth[answered]), relabelled, place)
+    return found
 
 
 def position_errors(true_m: Floats, given_m: Floats, speed_rotation: np.ndarray) -> dict[str, np.ndarray]:

@@ -11,11 +11,13 @@ _SMALL, _LARGE = 0.1, 1e5
 
 
 def legend(found: Ranking) -> str:
-    """What the columns are over and what a tie is, in two lines."""
+    """What the columns are over and what a tie is, in two lines; where one is known, in a third what efficiency is."""
     guess_deg, level = np.degrees(found.rule.unanswered_rad), found.rule.confidence
+    near = any(one.efficiency is not None for division in found.divisions for one in division.methods)
+    told = "\nEfficiency: 1 where errors are what light and noise leave, 1/4 at twice that; of answered frames." if near else ""
     return (
         f"All frames count: one without an answer, or wrong, is charged {guess_deg:.1f}° and, of positions, the whole range.\n"
-        f"Medians and p95 take it as larger than any error. Second lines: {level:.0%} intervals. 1= is a tie."
+        f"Medians and p95 take it as larger than any error. Second lines: {level:.0%} intervals. 1= is a tie.{told}"
     )
 
 
@@ -29,7 +31,9 @@ def title(division: Division) -> str:
 
 def cells(division: Division) -> list[dict[str, str]]:
     """A line per method, best first; each figure but the tails with its interval on a second line."""
-    return [_line(one) for one in division.methods]
+    are_bounded = any(one.efficiency is not None for one in division.methods)
+    near = [{"effi-\nciency": _two_lines(one.efficiency)} if are_bounded else {} for one in division.methods]
+    return [_line(one) | more for one, more in zip(division.methods, near, strict=True)]
 
 
 def rank(standing: Standing) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from benchmark.ranking_bootstrap import SHORTEST, Counts, bounds, counted, draw, quantiles, sums
+from benchmark.ranking_efficiency import efficiencies
 from benchmark.ranking_record import Difference, Division, Estimate, Standing
 from benchmark.ranking_rule import RESAMPLES, SEED
 from benchmark.ranking_table import Table, table_of
@@ -81,7 +82,9 @@ def _of_counts(table: Table, counts: Counts) -> _Draws:
         "wrong": wrong / table.frames,
         "cpu_ms": np.where(timed > 0, cpu_ms / np.maximum(timed, 1), np.nan),
     }
-    return _Draws(apart / table.frames, means | _quantiles(table, counts))
+    squared = table.values["bound_squares"]
+    bounded = {"efficiency": efficiencies(counts, squared, table.modality)} if np.isfinite(squared).any() else {}
+    return _Draws(apart / table.frames, means | bounded | _quantiles(table, counts))
 
 
 def _quantiles(table: Table, counts: Counts) -> dict[str, Floats]:
@@ -100,6 +103,8 @@ def _standing(table: Table, draws: _Draws, place: int, ranks: Sequence[int], are
     figures: dict[str, Any] = {name: _estimate(one[:, place], are_enough) for name, one in draws.statistics.items()}
     if not table.values["timed"][:, place].any():
         figures["cpu_ms"] = None
+    if (near := figures.get("efficiency")) is not None and near.value is None:
+        figures["efficiency"] = None
     return Standing(
         method=table.methods[place],
         rank=ranks[place],

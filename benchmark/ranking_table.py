@@ -10,6 +10,7 @@ import pandas as pd
 from benchmark.errors import PredictionsError
 from benchmark.pool import TRACK
 from benchmark.ranking_bootstrap import SHORTEST, Track, block_length
+from benchmark.ranking_efficiency import squares
 from benchmark.ranking_rule import charges, unanswered
 from benchmark.subjects import Modality
 from scenes.arrays import Floats
@@ -20,7 +21,7 @@ class Table:
     """``values``: (frames, methods) of each quantity, track by track as ``tracks`` tells, those too short for blocks last.
 
     ``charge``, ``answered``, ``wrong``, ``timed`` (1 or 0), ``cpu_ms`` (0 where not timed), and the errors ``rotation_deg``,
-    ``position_m`` and ``position_share`` (of the range), infinite where there is none.
+    ``position_m``, ``position_share`` (of the range) and ``bound_squares`` (``ranking_efficiency``), infinite where there is none.
     """
 
     modality: Modality
@@ -40,7 +41,8 @@ def table_of(frames: pd.DataFrame) -> Table:
     A frame that a method says nothing of is one without an answer. Raises ``PredictionsError`` where it says two things.
     """
     modality: Modality = frames["modality"].iloc[0]
-    absent = {"charge": unanswered(modality), "rotation_deg": np.inf, "position_m": np.inf, "position_share": np.inf}
+    lacking = dict.fromkeys(("rotation_deg", "position_m", "position_share", "bound_squares"), np.inf)
+    absent = {"charge": unanswered(modality), **lacking}
     quantities = _quantities(frames)
     keys = [*TRACK, "frame", "method"]
     long = frames[keys].assign(**quantities).set_index(keys)
@@ -95,6 +97,7 @@ def _quantities(frames: pd.DataFrame) -> dict[str, Floats]:
     }
     return {
         "charge": charges(frames),
+        "bound_squares": squares(frames),
         "answered": answered.astype(np.float64),
         "wrong": frames["wrong"].to_numpy(dtype=np.float64),
         "timed": np.isfinite(cpu_s).astype(np.float64),

@@ -72,6 +72,7 @@ _COLUMNS: tuple[tuple[str, float, Column], ...] = (
     *((name, 1e3, Column(what, unit)) for name, what, unit in _PLACE),
     ("charge", 1.0, Column("score", "mean charge")),
     ("wrong", 1e2, Column("wrong", "% of frames")),
+    ("efficiency", 1.0, Column("efficiency", "1 is the limit", "descending")),
     ("cpu_ms", 1.0, Column("CPU", "ms a frame")),
 )
 
@@ -82,8 +83,10 @@ def boards(found: Ranking, titles: Sequence[str], told: Mapping[str, str]) -> tu
 
 
 def _board(division: Division, titles: Sequence[str], told: Mapping[str, str]) -> Board:
-    places = {name for name, _, _ in _PLACE} if division.modality == "mono" else set()
-    shown = [one for one in _COLUMNS if one[0] not in places]
+    hidden = {name for name, _, _ in _PLACE} if division.modality == "mono" else set()
+    if all(one.efficiency is None for one in division.methods):
+        hidden.add("efficiency")
+    shown = [one for one in _COLUMNS if one[0] not in hidden]
     lines = [
         BoardLine(
             method=one.method,

@@ -65,6 +65,9 @@ class Note(Spec):
 class Suite(Spec):
     """A leaderboard's rules. ``limits``: what a method may cost on one data set before it is stopped.
 
+    ``bounds``: of which of a case's frames, START:STOP:STEP by their place in it, the information limit is found, so that methods
+    have an efficiency; of none where left out.
+
     ``include`` names other suites, whose methods, cases, published figures and notes come before its own; each of their cases keeps
     its suite's quality, prior and limits. It is empty in what is validated: what was included is there (``suite_include``).
     """
@@ -75,6 +78,7 @@ class Suite(Spec):
     prior_sigma_px: NonNegative = 3.0
     quality: Quality | None = None
     limits: Limits = Limits()
+    bounds: str | None = None
     methods: dict[Name, Method] = Field(default_factory=dict)
     cases: tuple[Case, ...] = ()
     published: tuple[Published, ...] = ()
@@ -119,6 +123,16 @@ class Suite(Spec):
         for case_name in (*printed, *(one.case for one in self.published_filters)):
             if case_name not in names:
                 raise ValueError(f"published: {unknown('case of this suite', case_name, names)}")
+        return self
+
+    @model_validator(mode="after")
+    def _bounds_are_of_every_cases_frames(self) -> "Suite":
+        for case in self.cases:
+            if self.bounds is not None and case.bounds is None:
+                try:
+                    case.bounded(self.bounds)
+                except ValueError as error:
+                    raise ValueError(f"case {case.name!r}: {error}") from None
         return self
 
     @model_validator(mode="after")

@@ -14,6 +14,7 @@ from scenes.arrays import Floats, frozen
 AXES = ("wx", "wy", "wz", "tx", "ty", "tz")
 # Medians of χ² with six and with three degrees of freedom (Abramowitz & Stegun, table 26.8): what NEES of an ideal estimator has.
 CHI2_MEDIAN_6, CHI2_MEDIAN_3 = 5.348, 2.366
+FEWEST = 30  # frames from which an efficiency is a figure: one frame's error is a random draw
 _LEAST_EIGENVALUE = 1e-9  # of the information with unit diagonal: below it a direction is not determined
 
 

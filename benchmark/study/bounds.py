@@ -6,6 +6,7 @@ import pandas as pd
 
 from benchmark.case import Case
 from benchmark.files import publish
+from benchmark.progress import Progress
 from scenes.dataset import Dataset
 from scenes.dataset_range import parse_frames
 from scenes.provenance import sha256_of_json, software_versions
@@ -13,7 +14,9 @@ from scenes.provenance import sha256_of_json, software_versions
 FOLDER = "bounds"
 
 
-def bounded(dataset: Path, out: Path, run: str, frames: str, samples: int, case: Case) -> None:
+def bounded(
+    dataset: Path, out: Path, run: str, frames: str, samples: int, case: Case, progress: Progress | None = None
+) -> None:
     """Finds the bounds of the data set's ``frames`` (by place) with the sensors that ``case`` asks for, unless they lie there.
 
     ``samples``: of each pixel in each of a bound's renderings.
@@ -26,8 +29,13 @@ def bounded(dataset: Path, out: Path, run: str, frames: str, samples: int, case:
     from benchmark.information.table import bounds_table
 
     chosen = [there.frames[at] for at in parse_frames(frames, len(there.frames))]
-    found = bounds_table(there, chosen, sensors=sensors_of(case), samples=samples)
+    found = bounds_table(there, chosen, progress, sensors=sensors_of(case), samples=samples)
     publish(out / FOLDER, {f"{run}.parquet": found.to_parquet(index=False), f"{run}.sha256": stamp.encode()})
+
+
+def path_of(out: Path, run: str) -> Path:
+    """Where the bounds of one run lie."""
+    return out / FOLDER / f"{run}.parquet"
 
 
 def read(out: Path, run: str) -> pd.DataFrame | None:
