@@ -88,7 +88,7 @@ class Trials:
         if mine.empty:
             why = self.refused.get(point.name, "no frames")
             return TrialRecord(point=point.name, label=point.label, value=one.value, refused=why)
-        bound = bound_rad(mine)
+        bound = bound_rad(mine) if self.hunt.avoid_dark else np.inf  # else one may lie there of a search that ended before
         return TrialRecord(
             point=point.name,
             label=point.label,
