@@ -3,6 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from benchmark.information.columns import informations
+from benchmark.information.fisher import bound, nees
 from scenes.arrays import Floats
 from scenes.dataset import Dataset
 
@@ -19,9 +21,6 @@ def columns(bounds: pd.DataFrame | None, sensor: str, frames: pd.Index, errors: 
     """
     if bounds is None:
         return {}
-    from benchmark.information.fisher import bound, nees
-    from benchmark.information.table import informations
-
     mine = bounds[bounds["sensor"] == sensor].set_index("frame").reindex(frames)
     found = {name: mine[sigma].to_numpy(dtype=np.float64) for sigma, name in SIGMAS.items()}
     determined = np.isfinite(found["bound_rotation_rad"])

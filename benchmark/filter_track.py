@@ -31,7 +31,8 @@ def filter_track(
     posed, answered = in_target_frame(table, gauge), (table["outcome"] == "ok").to_numpy()
     errors, switches = attitude_errors(truth, posed, answered, symmetry.group("none"), symmetry.group(group))
     scores = scores.assign(**errors, **position_errors(positions(truth), positions(posed), errors["speed_rotation"]))
-    vectors = error_vectors(truth, posed, answered, symmetry.group("none"))
+    # A frame of the method's own was laid over the truth, so what is left is no error of a pose.
+    vectors = error_vectors(truth, posed, answered & (not gauge.is_own), symmetry.group("none"))
     scores = scores.assign(**bound_scores.columns(bounds, sensor, truth.index, vectors))
     scores = scores.assign(**filter_scores.columns(truth, table, extras, true, gauge))
     return scores, switches, filter_summary(scores, gauge)

@@ -8,6 +8,7 @@ import benchmark
 import scenes
 from benchmark import predictions
 from benchmark.files import publish
+from benchmark.information.kept import BOUNDS
 from benchmark.judge import SCORES, SUMMARY
 from benchmark.results import INDEX, Entry, Results
 from scenes.dataset import Dataset
@@ -42,7 +43,7 @@ def mark_reported(folder: Path, index: Results) -> None:
 
 def _judgement(folder: Path, dataset: Dataset, settle_s: float, bounds: Path | None) -> str:
     here = _digests(folder / name for name in (*_ANSWERS, SCORES, SUMMARY))
-    truth = _digests([dataset.path / TRUTH_TABLE, *([] if bounds is None else [bounds])])
+    truth = _digests([dataset.path / TRUTH_TABLE, dataset.path / BOUNDS if bounds is None else bounds])
     return sha256_of_json([_program(), dataset.identity, settle_s, truth, here])
 
 

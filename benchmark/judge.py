@@ -16,6 +16,7 @@ from benchmark.errors import PredictionsError
 from benchmark.files import publish
 from benchmark.filter_summary import FilterSummary
 from benchmark.filter_track import filter_track
+from benchmark.information import kept
 from benchmark.pose_errors import attitude_errors, error_vectors, position_errors
 from benchmark.predictions import Predictions, positions
 from benchmark.records import KnowledgeRecord
@@ -53,12 +54,14 @@ def judge(
     """Scores every frame of ``dataset``. A frame without an answer is ``skipped`` and counts as a failure.
 
     The summary leaves out the first ``settle_s`` seconds, in which a suite lets filters settle; the score rows have all frames.
-    ``bounds``: what ``hardlight bound`` found of the data set; the score rows then say how near the answers come to it.
+    ``bounds``: what ``hardlight bound`` found of the data set, left out what lies in its folder; where there is any, the score rows
+    say how near the answers come to it.
     Raises ``PredictionsError`` where the answers belong to another data set, or name frames or sensors it does not have.
     """
     refuse_strangers(predictions, dataset)
     knowledge, scenario = predictions.record.knowledge, dataset.manifest.scenario
     ring, swept = subject_of(knowledge, dataset), swept_angle(scenario)
+    bounds = kept.read(dataset) if bounds is None else bounds
     group = LABELLING if ring is not None else symmetry_of(knowledge, scenario)
     tables, summaries = [], []
     for sensor in dict.fromkeys(predictions.table["sensor"]):

@@ -7,7 +7,7 @@ import numpy as np
 from benchmark.ranking_record import Division, Estimate, Ranking, Standing
 
 _NAMED = 3  # cases or subjects in a title; of more the first, and how many more there are
-_SMALL, _LARGE = 0.1, 1e5
+_TINY, _SMALL, _LARGE = 1e-3, 0.1, 1e5
 
 
 def legend(found: Ranking) -> str:
@@ -32,8 +32,8 @@ def title(division: Division) -> str:
 def cells(division: Division) -> list[dict[str, str]]:
     """A line per method, best first; each figure but the tails with its interval on a second line."""
     are_bounded = any(one.efficiency is not None for one in division.methods)
-    near = [{"effi-\nciency": _two_lines(one.efficiency)} if are_bounded else {} for one in division.methods]
-    return [_line(one) | more for one, more in zip(division.methods, near, strict=True)]
+    near = [{"effi-\nciency": f"{ratio(one.efficiency)}\n{ratio_interval(one.efficiency)}".rstrip()} for one in division.methods]
+    return [_line(one) | (more if are_bounded else {}) for one, more in zip(division.methods, near, strict=True)]
 
 
 def rank(standing: Standing) -> str:
@@ -54,6 +54,22 @@ def interval(estimate: Estimate | None, scale: float = 1.0) -> str:
         return f"{short(scale * estimate.low)}–∞"
     finest = _decimals(scale * estimate.high)
     return f"{short(scale * estimate.low, finest)}–{short(scale * estimate.high)}"
+
+
+def ratio(estimate: Estimate | None) -> str:
+    """An efficiency, which may be tiny; a dash where there is none."""
+    return "—" if estimate is None or estimate.value is None else _tiny(estimate.value)
+
+
+def ratio_interval(estimate: Estimate | None) -> str:
+    """``low–high`` of an efficiency; empty where there is none, or no width."""
+    if estimate is None or estimate.low is None or estimate.high is None or estimate.low == estimate.high:
+        return ""
+    return f"{_tiny(estimate.low)}–{_tiny(estimate.high)}"
+
+
+def _tiny(value: float) -> str:
+    return f"{value:.0e}" if 0.0 < value < _TINY else short(value)
 
 
 def short(value: float, finest: int = 4) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from benchmark.ranking_cells import counted, figure, interval, rank, some
+from benchmark.ranking_cells import counted, figure, interval, rank, ratio, ratio_interval, some
 from benchmark.ranking_record import Division, Estimate, Ranking, Standing
 from benchmark.subjects import NAMES
 
@@ -94,7 +94,7 @@ def _board(division: Division, titles: Sequence[str], told: Mapping[str, str]) -
             rank=one.rank,
             rank_text=rank(one),
             told=told.get(one.method, ""),
-            cells=tuple(_cell(getattr(one, name), scale) for name, scale, _ in shown),
+            cells=tuple(_ratio(one) if name == "efficiency" else _cell(getattr(one, name), scale) for name, scale, _ in shown),
         )
         for one in division.methods
     ]
@@ -111,6 +111,11 @@ def _board(division: Division, titles: Sequence[str], told: Mapping[str, str]) -
 def _cell(estimate: Estimate | None, scale: float) -> Cell:
     value = None if estimate is None or estimate.value is None else estimate.value
     return Cell(figure(estimate, scale), interval(estimate, scale).replace("–", " … "), value)
+
+
+def _ratio(one: Standing) -> Cell:
+    value = None if one.efficiency is None else one.efficiency.value
+    return Cell(ratio(one.efficiency), ratio_interval(one.efficiency).replace("–", " … "), value)
 
 
 def _about(division: Division) -> str:

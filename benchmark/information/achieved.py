@@ -5,13 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from benchmark.information.fisher import attitude_efficiency, bound, efficiency, pose_error
-from benchmark.information.table import informations
-from benchmark.predictions import Predictions, positions, rotations
-from scenes.arrays import Floats
+from benchmark.information.fisher import CHI2_MEDIAN_3, CHI2_MEDIAN_6, FEWEST
+from benchmark.judge import judge
+from benchmark.predictions import Predictions
 from scenes.dataset import Dataset
-
-FEWEST = 30  # frames from which an efficiency is a figure: one frame's error is a random draw
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,28 +26,23 @@ class Achieved:
 
 
 def achieved(predictions: Predictions, dataset: Dataset, bounds: pd.DataFrame) -> list[Achieved]:
-    """A line per sensor with answers and bounds; frames without an answer, or whose pose is undetermined, are left out."""
-    truth = dataset.truth_table().set_index(["frame", "sensor"])
-    found = []
-    for sensor, rows in bounds.dropna(subset=["sigma_rotation_rad"]).groupby("sensor"):
-        given = predictions.table[(predictions.table["sensor"] == sensor) & (predictions.table["outcome"] == "ok")]
-        both = rows.merge(given, on=["frame", "sensor"])
-        if len(both):
-            true = truth.loc[list(zip(both["frame"], both["sensor"]))]
-            errors = pose_error(rotations(true), positions(true), rotations(both), positions(both))
-            found.append(_line(str(sensor), errors, informations(both)))
-    return found
+    """A line per sensor with answers and bounds; frames without an answer, or whose pose is undetermined, are left out.
+
+    Errors are the judge's: of a target that looks alike from elsewhere those of the attitude that suits the whole track.
+    """
+    scores = judge(predictions, dataset, bounds=bounds).scores
+    known = scores[np.isfinite(scores["bound_chi2_attitude"].to_numpy(dtype=np.float64))]
+    return [_line(str(sensor), rows) for sensor, rows in known.groupby("sensor", sort=False)]
 
 
-def _line(sensor: str, errors: Floats, matrices: Floats) -> Achieved:
-    covariances = np.array([bound(one).covariance for one in matrices])
-    sigma = np.sqrt(np.trace(covariances[:, :3, :3], axis1=1, axis2=2))
-    excess = float(np.median(np.linalg.norm(errors[:, :3], axis=1) / sigma))
-    enough, placed = len(errors) >= FEWEST, bool(np.isfinite(errors).all())
+def _line(sensor: str, rows: pd.DataFrame) -> Achieved:
+    turned, posed = (rows[name].to_numpy(dtype=np.float64) for name in ("bound_chi2_attitude", "bound_chi2_pose"))
+    excess = np.radians(rows["geodesic_deg"].to_numpy(dtype=np.float64)) / rows["bound_rotation_rad"].to_numpy(dtype=np.float64)
+    enough = len(rows) >= FEWEST
     return Achieved(
         sensor=sensor,
-        frames=len(errors),
-        pose=efficiency(errors, matrices) if enough and placed else None,
-        attitude=attitude_efficiency(errors[:, :3], covariances[:, :3, :3]) if enough else None,
-        excess=excess,
+        frames=len(rows),
+        pose=CHI2_MEDIAN_6 / float(np.median(posed)) if enough and np.isfinite(posed).all() else None,
+        attitude=CHI2_MEDIAN_3 / float(np.median(turned)) if enough else None,
+        excess=float(np.median(excess)),
     )

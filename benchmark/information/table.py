@@ -1,15 +1,14 @@
 """bounds.parquet: of each frame and sensor of a data set how well anybody could know the pose."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from benchmark.files import publish
 from benchmark.filter_truth import scan_pose
-from benchmark.information.fisher import AXES, Bound, bound, stereo_bound
+from benchmark.information.columns import UPPER, columns_of, informations
+from benchmark.information.fisher import Bound, bound, stereo_bound
 from benchmark.information.pictures import SAMPLES, PictureInformation
 from benchmark.information.scans import ScanInformation
 from scenes.arrays import Floats
@@ -17,8 +16,8 @@ from scenes.dataset import Dataset
 from scenes.recording import StereoPair
 from scenes.scenario import Scenario
 
-BOUNDS = "bounds.parquet"
-UPPER = tuple(zip(*np.triu_indices(6)))
+__all__ = ["UPPER", "bounds_table", "frame_rows", "informations", "sensors_of"]
+
 Progress = Callable[[int, int], None]
 
 
@@ -40,18 +39,25 @@ def bounds_table(
     """
     chosen = list(dataset.frames if frames is None else frames)
     wanted = list(sensors_of(dataset) if sensors is None else sensors)
+    of_frames = frame_rows(dataset, chosen, wanted, progress, samples=samples, light_direction=light_direction)
+    return pd.DataFrame([row for rows in of_frames for row in rows])
+
+
+def frame_rows(
+    dataset: Dataset, frames: Sequence[int], sensors: Sequence[str], progress: Progress | None = None, **how: Any
+) -> Iterator[list[dict[str, Any]]]:
+    """Frame by frame the rows of ``bounds_table``, to be kept while it goes on; ``how``: of ``PictureInformation``."""
     scenario, truth = Scenario.model_validate(dataset.scenario), dataset.truth_table().set_index(["frame", "sensor"])
-    makers = _makers(dataset, scenario, truth, wanted, {"samples": samples, "light_direction": light_direction})
-    rows, done, total = [], 0, len(chosen) * len(makers)
-    for frame in chosen:
+    makers = _makers(dataset, scenario, truth, sensors, how)
+    done, total = 0, len(frames) * len(makers)
+    for frame in frames:
         found: dict[str, dict[str, float]] = {}
         for sensor, make in makers.items():
             found[sensor], done = make(frame), done + 1
             if progress is not None:
                 progress(done, total)
-        found |= {name: _rig_row(dataset.rigs[name], found) for name in wanted if name in dataset.rigs}
-        rows += [{"frame": frame, "sensor": sensor, **found[sensor]} for sensor in wanted]
-    return pd.DataFrame(rows)
+        found |= {name: _rig_row(dataset.rigs[name], found) for name in sensors if name in dataset.rigs}
+        yield [{"frame": frame, "sensor": sensor, **found[sensor]} for sensor in sensors]
 
 
 def sensors_of(dataset: Dataset) -> list[str]:
@@ -59,21 +65,8 @@ def sensors_of(dataset: Dataset) -> list[str]:
     return [*dataset.sensors, *dataset.rigs, *dataset.lidars]
 
 
-def write(folder: Path, table: pd.DataFrame) -> None:
-    """Writes bounds.parquet."""
-    publish(folder, {BOUNDS: table.to_parquet(index=False)})
-
-
-def informations(table: pd.DataFrame) -> Floats:
-    """(n, 6, 6) information matrices of a table's rows."""
-    full = np.zeros((len(table), 6, 6))
-    for row, column in UPPER:
-        full[:, row, column] = full[:, column, row] = table[f"information_{AXES[row]}_{AXES[column]}"]
-    return full
-
-
 def _makers(
-    dataset: Dataset, scenario: Scenario, truth: pd.DataFrame, wanted: list[str], how: Mapping[str, Any]
+    dataset: Dataset, scenario: Scenario, truth: pd.DataFrame, wanted: Sequence[str], how: Mapping[str, Any]
 ) -> dict[str, Callable[[int], dict[str, float]]]:
     """For each sensor that is wanted, or belongs to a rig that is, what gives a frame's row."""
     pairs = [dataset.rigs[name] for name in wanted if name in dataset.rigs]
@@ -93,7 +86,7 @@ def _makers(
 
 def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> dict[str, float]:
     found = pictures.bounds(frame, exposure_s)
-    row = dict(_columns(found.known)) | {"least_eigenvalue": found.known.least_eigenvalue, "inflation": found.inflation}
+    row = dict(columns_of(found.known)) | {"least_eigenvalue": found.known.least_eigenvalue, "inflation": found.inflation}
     for name in ("rendered", "gain_and_offset", "model_5", "light_direction"):
         variant: Bound | None = getattr(found, name)
         if variant is not None:
@@ -105,7 +98,7 @@ def _rig_row(pair: StereoPair, found: Mapping[str, Mapping[str, float]]) -> dict
     left, right = (bound(_information(found[name])) for name in (pair.left, pair.right))
     both = stereo_bound(left, right, pair.right_from_left.rotation.inv())
     inflations = [found[name]["inflation"] for name in (pair.left, pair.right)]
-    return dict(_columns(both)) | {"least_eigenvalue": both.least_eigenvalue, "inflation": float(np.max(inflations))}
+    return dict(columns_of(both)) | {"least_eigenvalue": both.least_eigenvalue, "inflation": float(np.max(inflations))}
 
 
 def _information(row: Mapping[str, float]) -> Floats:
@@ -118,13 +111,4 @@ def _lidar_row(scans: ScanInformation, beams: dict[str, Any], truth: "pd.Series[
     assert at_scan is not None  # every row of the truth table has a pose
     found = scans.bound(beams, at_scan)
     extra = {"beams": float(found.beams), "leverage": found.leverage, "least_eigenvalue": found.bound.least_eigenvalue}
-    return dict(_columns(found.bound)) | extra
-
-
-def _columns(found: Bound) -> Iterator[tuple[str, float]]:
-    for row, column in UPPER:
-        yield f"information_{AXES[row]}_{AXES[column]}", float(found.information[row, column])
-    for axis, sigma in zip(AXES, found.sigma, strict=True):
-        yield f"sigma_{axis}", float(sigma)
-    yield "sigma_rotation_rad", found.rotation_rad
-    yield "sigma_position_m", found.position_m
+    return dict(columns_of(found.bound)) | extra
