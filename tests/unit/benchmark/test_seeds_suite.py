@@ -81,7 +81,7 @@ def test_what_is_rendered_and_answered_is_the_same_with_or_without_seeds(tmp_pat
     def render(suite: Suite, case: Case, run: CaseRun, path: Path, *_: object) -> None:
         rendered.append((case.scenario, case.selected, run, path, case.quality or suite.quality))
 
-    monkeypatch.setattr(bench, "_render", render)
+    monkeypatch.setattr(bench, "render_run", render)
     monkeypatch.setattr(bench, "done_here", lambda mine, _: tasks.extend(mine))
     bench.bench(load_suite("seeds"), tmp_path)
     together, rendered[:] = (list(rendered), list(tasks)), []
