@@ -17,13 +17,15 @@ _OF_THE_SHELL = ("PWD", "OLDPWD", "_")
 def environment(hidden: Sequence[Path], *, with_working_directory: bool) -> dict[str, str]:
     """This process's environment without the variables that name a folder in ``hidden`` or something in it.
 
-    Hashing is the same in every run, so that a method which walks through a set of texts gives the same answers. Modules are
-    found where they are found here, and last ``with_working_directory``.
+    Hashing is the same in every run, so that a method which walks through a set of texts gives the same answers. What it prints
+    is not held back, so that the last words of one that is killed are in its log. Modules are found where they are found here, and
+    last ``with_working_directory``.
     """
     own = [str(Path(entry).absolute()) for entry in sys.path]  # an empty one is the working directory
     own += [str(Path.cwd())] if with_working_directory and str(Path.cwd()) not in own else []
     searched = [entry for entry in own if not _leads_to(entry, hidden)]
-    return clean(os.environ, hidden) | {"PYTHONHASHSEED": "0", SEARCH_PATH: json.dumps(searched)}
+    own_way = {"PYTHONHASHSEED": "0", "PYTHONUNBUFFERED": "1"}
+    return clean(os.environ, hidden) | own_way | {SEARCH_PATH: json.dumps(searched)}
 
 
 def clean(variables: Mapping[str, str], hidden: Sequence[Path]) -> dict[str, str]:

@@ -50,4 +50,5 @@ def test_modules_are_found_where_they_are_here_and_the_working_directory_last(da
 
 
 def test_hashing_is_the_same_in_every_run(data: Path) -> None:
-    assert environment([data], with_working_directory=False)["PYTHONHASHSEED"] == "0"
+    found = environment([data], with_working_directory=False)
+    assert (found["PYTHONHASHSEED"], found["PYTHONUNBUFFERED"]) == ("0", "1")
