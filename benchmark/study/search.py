@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmark.progress import Progress
-from benchmark.study.search_proposals import Axis, Sampler, Tried, proposed, wrapped
+from benchmark.study.search_proposals import Axis, Sampler, Tried, evenly, proposed, wrapped
 from scenes.arrays import Floats
 from scenes.errors import StorageError
 
@@ -21,10 +21,11 @@ Objective = Callable[[Floats], float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SearchRecord:
-    """Every trial of a search in the order in which they were done."""
+    """Every trial of a search in the order in which they were done; the first ``startup`` ones were spread evenly."""
 
     sampler: Sampler
     seed: int
+    startup: int
     tried: tuple[Tried, ...]
 
     @property
@@ -51,11 +52,11 @@ def search(
 
     ``storage``: a file (Optuna's journal) that takes each trial when it is done and not before: a killed search begins again with
     the trial that it was at. Where a trial is placed follows from the seed and the trials before it alone, so an interrupted search
-    comes out as one that was not. The first quarter of the trials is spread evenly, the others are where ``sampler`` expects worse.
+    comes out as one that was not. A quarter of the first budget is spread evenly, all others are where ``sampler`` expects worse.
     """
     kept = _kept(storage, sampler, seed, dimensions)
     tried = _tried(kept)[:trials]
-    startup = -(-trials // 4)
+    startup = _startup(kept, trials)
     while len(tried) < trials:
         if progress is not None:
             progress(len(tried), trials)
@@ -67,12 +68,20 @@ def search(
         tried.append(Tried(unit, value))
     if progress is not None:
         progress(trials, trials)
-    return SearchRecord(sampler, seed, tuple(tried))
+    return SearchRecord(sampler, seed, min(startup, trials), tuple(tried))
 
 
-def done(storage: Path, sampler: Sampler, seed: int, dimensions: Sequence[Axis]) -> list[Tried]:
-    """The trials of such a search that are done already."""
-    return _tried(_kept(storage, sampler, seed, dimensions))
+def spread(dimensions: Sequence[Axis], trials: int, seed: int, storage: Path, sampler: Sampler) -> Floats:
+    """(n, dimensions) the places that such a search begins with, which are known before it begins."""
+    startup = _startup(_kept(storage, sampler, seed, dimensions), trials)
+    return evenly(len(dimensions), startup, seed)[:startup]
+
+
+def _startup(kept: "optuna.Study", trials: int) -> int:
+    """How many trials are spread evenly. It stays when the budget grows: CMA-ES is told again what it asked, in its order."""
+    if "startup" not in kept.user_attrs:
+        kept.set_user_attr("startup", -(-trials // 4))
+    return int(kept.user_attrs["startup"])
 
 
 def _kept(storage: Path, sampler: Sampler, seed: int, dimensions: Sequence[Axis]) -> "optuna.Study":

@@ -59,7 +59,7 @@ def write(folder: Path) -> Path:
         record=found,
         made_by=found.command or "hardlight worst",
         sampler=_SAMPLERS[found.sampler],
-        startup=-(-len(found.trials) // 4),
+        startup=found.startup,
         dark=f"{DARK:g}",
         chart=chart(found),
         lines=lines(found),
@@ -91,7 +91,7 @@ def chart(found: WorstRecord) -> str:
         axes.plot(number, np.maximum.accumulate(values), color=INK, linewidth=1.2, drawstyle="steps-post")
         axes.plot(number[~failed], values[~failed], "o", color=SERIES[1], markersize=4, markerfacecolor="none")
         axes.plot(number[failed], values[failed], "X", color=SERIES[5], markersize=5, markeredgewidth=0)
-        axes.axvline(-(-len(number) // 4) + 0.5, color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
+        axes.axvline(found.startup + 0.5, color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
         axes.set_xlim(0.5, len(number) + 0.5)
         top = max(float(values.max()), 1e-3)
         axes.set_ylim(-0.04 * top, 1.08 * top)

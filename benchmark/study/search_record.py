@@ -8,25 +8,29 @@ from pydantic import Field, ValidationError
 
 from benchmark.errors import PredictionsError, damaged
 from benchmark.files import publish
+from benchmark.study.factor import Value
 from benchmark.study.score_record import AVAILABLE
 from benchmark.study.search_proposals import Sampler
 from benchmark.subjects import Modality
 from scenes.spec import Spec
 
 FILE = "worst.json"
-DARK = 10.0
-"""How many times the best bound a point's may be; beyond, its light leaves too little for anybody."""
+DARK = 5.0
+"""How many times the median bound of the evenly spread points a point's may be; beyond, its light leaves too little for anybody."""
 
 
 class TrialRecord(Spec):
-    """One trial. ``value``: what the search went by (``benchmark.study.search_cost``); ``charge``: the frames' published mean.
+    """One trial at ``unit`` in the unit cube, where the factors have ``values``. ``value``: what the search went by
 
-    ``bound_rotation_rad``: median of the frames that were asked, None where none was or it is undetermined; ``is_dark``: it is
-    undetermined, or more than ``DARK`` times the best of all trials. ``refused``: why there is no such scenario or picture.
+    (``benchmark.study.search_cost``); ``charge``: the frames' published mean. ``bound_rotation_rad``: median of the frames that
+    were asked, None where none was or it is undetermined; ``is_dark``: it is undetermined, or more than ``DARK`` times the usual.
+    ``refused``: why there is no such scenario or picture.
     """
 
+    unit: tuple[float, ...] = ()
     point: str = ""
     label: str = ""
+    values: dict[str, Value] = Field(default_factory=dict)
     value: float
     charge: float | None = None
     frames: int = 0
@@ -54,7 +58,8 @@ class WorstBound(Spec):
 
 
 class WorstRecord(Spec):
-    """The search of one method. ``trials``: in the order in which they were done; ``worst``: which of them, None if none counts.
+    """The search of one method. ``trials``: in the order in which they were done, the first ``startup`` spread evenly; ``worst``:
+    which of them, None if none counts.
 
     ``identity``: digest of the study, the method's sources and the libraries, so that another search is not taken for this one.
     """
@@ -70,6 +75,7 @@ class WorstRecord(Spec):
     avoid_dark: bool = False
     command: str = ""
     identity: str
+    startup: int = 0
     trials: Annotated[tuple[TrialRecord, ...], Field(min_length=1)]
     worst: int | None
     bound: WorstBound | None = None

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from benchmark.progress import Progress
 from benchmark.study import record, search_record
-from benchmark.study.search import SearchRecord, done, search
+from benchmark.study.search import SearchRecord, search, spread
 from benchmark.study.search_hunt import Hunt
 from benchmark.study.search_record import WorstRecord, chosen
 from benchmark.study.search_trials import Trials
@@ -21,7 +21,8 @@ def worst(hunt: Hunt, out: Path, progress: Progress | None = None, command: str 
     record.write(out, record.record_of(hunt.study, command, {}))
     storage = out / f"trials-{hunt.identity[:10]}.journal"
     trials = Trials(hunt, out, hunt.study.scenario.model_dump(mode="json"))
-    trials.recall(done(storage, hunt.sampler, hunt.seed, hunt.axes)[: hunt.trials])
+    if hunt.avoid_dark:
+        trials.look(spread(hunt.axes, hunt.trials, hunt.seed, storage, hunt.sampler), progress)
     found = search(trials, hunt.axes, hunt.trials, hunt.seed, storage, hunt.sampler, progress)
     said = _said(hunt, trials, found, command)
     search_record.write(out, said)
@@ -44,6 +45,7 @@ def _said(hunt: Hunt, trials: Trials, found: SearchRecord, command: str) -> Wors
         avoid_dark=hunt.avoid_dark,
         command=command,
         identity=hunt.identity,
+        startup=found.startup,
         trials=told,
         worst=place,
         bound=bound,

@@ -1,6 +1,6 @@
 """The objective of a search: the point of the study at a place of the unit cube, rendered, answered, judged, bounded."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from benchmark.files import publish
+from benchmark.progress import Progress
 from benchmark.study import record
 from benchmark.study.edits import Tree
 from benchmark.study.outcomes import outcomes
@@ -23,12 +24,12 @@ from scenes.errors import UsageError
 
 @dataclass(slots=True, eq=False)
 class Trials:
-    """The objective: the point at a place of the unit cube, done in full. ``best_rad``: the best bound so far."""
+    """The objective: the point at a place of the unit cube, done in full. ``usual_rad``: what dark lights are told by."""
 
     hunt: Hunt
     out: Path
     tree: Tree
-    best_rad: float = np.inf
+    usual_rad: float = np.inf
     refused: dict[str, str] = field(default_factory=dict)
 
     def point(self, unit: Floats) -> Point:
@@ -43,55 +44,59 @@ class Trials:
             return 0.0
         if not self.hunt.avoid_dark:
             return cost(frames)
-        bound = bound_rad(frames)
-        self.best_rad = min(self.best_rad, bound)
-        return 0.0 if _is_dark(bound, self.best_rad) else cost(frames)
+        return 0.0 if self._is_dark(bound_rad(frames)) else cost(frames)
 
-    def recall(self, tried: Sequence[Tried]) -> None:
-        """Learns the best bound of trials that an earlier process did."""
-        if self.hunt.avoid_dark and tried:
-            frames = self._frames(self._points(tried))
-            self.best_rad = min((bound_rad(mine) for _, mine in frames.groupby("point")), default=np.inf)
+    def look(self, units: Floats, progress: Progress | None = None) -> None:
+        """Takes the median bound of the places (n, dimensions) where it is determined for the usual one.
+
+        They are spread evenly and known before the search, so that what is dark does not hang on the order of its trials.
+        """
+        if not (points := self._points(units)):
+            return
+        frames = self._frames(points, progress=progress)
+        bounds = np.array([bound_rad(mine) for _, mine in frames.groupby("point")])
+        known = bounds[np.isfinite(bounds)]
+        self.usual_rad = float(np.median(known)) if known.size else np.inf
 
     def all_of(self, tried: Sequence[Tried], command: str) -> tuple[pd.DataFrame, tuple[TrialRecord, ...]]:
         """The frames of all trials, and what is said of each trial; leaves the folder as a study of all of them would."""
-        frames = self._frames(self._points(tried), command)
+        points = self._points(one.unit for one in tried)
+        frames = self._frames(points, command=command) if points else pd.DataFrame(columns=["point"])  # no suite is empty
         record.write(self.out, record.record_of(self.hunt.study, command, self.refused))
-        told = [self._told(one, frames) for one in tried]
-        best = min((one.bound_rotation_rad for one in told if one.bound_rotation_rad is not None), default=np.inf)
-        if self.hunt.avoid_dark:
-            told = [one.model_copy(update={"is_dark": _is_dark(one.bound_rotation_rad or np.inf, best)}) for one in told]
-        return frames, tuple(told)
+        return frames, tuple(self._told(one, frames) for one in tried)
 
-    def _points(self, tried: Sequence[Tried]) -> list[Point]:
+    def _points(self, units: Iterable[Floats]) -> list[Point]:
         found = []
-        for one in tried:
+        for unit in units:
             try:
-                found.append(self.point(one.unit))
+                found.append(self.point(unit))
             except UsageError:
                 continue
         return found
 
-    def _frames(self, points: Sequence[Point], command: str = "") -> pd.DataFrame:
+    def _frames(self, points: Sequence[Point], command: str = "", progress: Progress | None = None) -> pd.DataFrame:
         """A row for each of the points' frames (``Outcomes.frames``)."""
-        _, refused = run_points(self.hunt.study, points, self.out, command=command)
+        _, refused = run_points(self.hunt.study, points, self.out, command=command, progress=progress)
         self.refused |= refused
         publish(self.out, {record.POINTS: table(self.hunt.study, tuple(points)).to_parquet(index=False)})
         return outcomes(self.out).frames
 
     def _told(self, one: Tried, frames: pd.DataFrame) -> TrialRecord:
+        unit = tuple(one.unit.tolist())
         try:
             point = self.point(one.unit)
         except UsageError as error:
-            return TrialRecord(value=one.value, refused=str(error))
+            return TrialRecord(unit=unit, value=one.value, refused=str(error))
         mine = frames[frames["point"] == point.name]
         if mine.empty:
             why = self.refused.get(point.name, "no frames")
-            return TrialRecord(point=point.name, label=point.label, value=one.value, refused=why)
+            return TrialRecord(unit=unit, point=point.name, label=point.label, value=one.value, refused=why)
         bound = bound_rad(mine) if self.hunt.avoid_dark else np.inf  # else one may lie there of a search that ended before
         return TrialRecord(
+            unit=unit,
             point=point.name,
             label=point.label,
+            values={name: value for name, value in point.values.items() if value is not None},
             value=one.value,
             charge=float(mine["charge"].mean()),
             frames=len(mine),
@@ -99,8 +104,8 @@ class Trials:
             right=int(mine["right"].sum()),
             rotation_median_deg=median_error_deg(mine),
             bound_rotation_rad=bound if np.isfinite(bound) else None,
+            is_dark=self.hunt.avoid_dark and self._is_dark(bound),
         )
 
-
-def _is_dark(bound: float, best: float) -> bool:
-    return not np.isfinite(bound) or bound > DARK * best
+    def _is_dark(self, bound: float) -> bool:
+        return not np.isfinite(bound) or bound > DARK * self.usual_rad

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from benchmark.study.directions import on_sphere
-from benchmark.study.search import Objective, SearchRecord, search
-from benchmark.study.search_proposals import Sampler, evenly
+from benchmark.study.search import Objective, SearchRecord, search, spread
+from benchmark.study.search_proposals import Sampler, evenly, proposed, wrapped
 from scenes.arrays import Floats
 
 DIRECTION = ("line", "circle")
@@ -105,6 +105,25 @@ def test_a_larger_budget_goes_on_from_the_smaller_one(tmp_path: Path) -> None:
     assert len(more.tried) == 12
 
 
+@pytest.mark.parametrize("sampler", SAMPLERS)
+def test_with_a_raised_budget_every_place_still_follows_from_those_before(tmp_path: Path, sampler: Sampler) -> None:
+    """CMA-ES asks again what it asked, else it would be told values of places where they were not measured."""
+    for budget in (16, 32):
+        record = search(bowl, DIRECTION, budget, 0, tmp_path / "journal", sampler)
+    for number, one in enumerate(record.tried):
+        place = wrapped(proposed(sampler, DIRECTION, record.tried[:number], record.startup, 0), DIRECTION)
+        assert place == pytest.approx(one.unit, abs=1e-12)
+
+
+def test_a_raised_budget_spreads_no_more_places(tmp_path: Path) -> None:
+    storage = tmp_path / "journal"
+    few, more = (search(octant, DIRECTION, budget, 0, storage) for budget in (8, 24))
+    assert (few.startup, more.startup) == (2, 2)
+    places = spread(DIRECTION, 40, 0, storage, "tpe")
+    assert places.tolist() == [one.unit.tolist() for one in more.tried[:2]]
+    assert search(octant, DIRECTION, 1, 0, storage).startup == 1
+
+
 def test_seeds_and_samplers_are_searches_of_their_own(tmp_path: Path) -> None:
     records = [search(octant, DIRECTION, 12, seed, tmp_path / "journal", one) for seed in (0, 1) for one in SAMPLERS]
     places = [record.tried[-1].unit.tolist() for record in records]
@@ -126,6 +145,12 @@ def test_every_place_lies_in_the_unit_cube(tmp_path: Path, sampler: Sampler, axe
 def test_a_place_without_a_value_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no value"):
         search(lambda _: float("nan"), DIRECTION, 4, 0, tmp_path / "journal")
+
+
+def bowl(unit: Floats) -> float:
+    """Largest, 0, at one place; the second axis may go round."""
+    aside = (unit[1] - 0.62 + 0.5) % 1 - 0.5
+    return -float((unit[0] - 0.31) ** 2 + aside**2)
 
 
 def killed_after(trials: int) -> Callable[[Floats], float]:
