@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from benchmark.gallery_answers import Answers, Said
+from benchmark.gallery_lidars import lidar_views
 from benchmark.gallery_outlines import feature_points
 from benchmark.gallery_window import around
 from benchmark.ranking_cells import short
@@ -14,15 +16,16 @@ from benchmark.report_pictures import data_uri, fitted, shown
 from benchmark.study.outcomes import Outcomes
 from benchmark.subjects import NAMES
 from scenes.dataset import Dataset
+from scenes.errors import DatasetError
 
-_WIDEST_PX, _QUALITY = 230, 55
-_MOST = 400  # cards with pictures: the page stays small
-_WIDTHS = {100: 230, 200: 170, _MOST: 120}  # up to so many points, so wide
+_QUALITY = 55
+_WIDTHS = {40: 380, 100: 300, 200: 200, 400: 130}  # up to so many points, so wide: the page stays small
+_NOTHING = Said(None, None, "", {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Glimpse:
-    """One camera's picture of the target as a link, ``width`` × ``height`` px."""
+    """What one camera or LIDAR saw of the target as a link, ``width`` × ``height`` px."""
 
     camera: str
     uri: str
@@ -48,6 +51,7 @@ class Card:
 
     name: str
     label: str
+    dataset: str
     frame: int
     glimpses: tuple[Glimpse, ...]
     lines: tuple[Line, ...]
@@ -62,21 +66,33 @@ def cards(folder: Path, found: Outcomes) -> Iterator[Card]:
         if frames is None:
             continue
         asked = frames[frames["bound_asked"]]
-        frame = int((asked if len(asked) else frames)["frame"].iloc[0])
-        yield Card(str(row.point), str(row.label), frame, tuple(glimpses(folder, frames, frame, width)), tuple(_lines(frames)))
+        first = (asked if len(asked) else frames).iloc[0]
+        same = frames[(frames["run"] == first["run"]) & (frames["frame"] == first["frame"])]
+        seen = tuple(glimpses(folder, same, width)) if width else ()
+        yield Card(str(row.point), str(row.label), str(first["dataset"]), int(first["frame"]), seen, tuple(_lines(frames)))
 
 
-def glimpses(folder: Path, frames: pd.DataFrame, frame: int, width_px: int = _WIDEST_PX) -> Iterator[Glimpse]:
-    """What every camera saw in a frame, cut out around the target's features."""
-    path = folder / str(frames["dataset"].iloc[0])
-    if width_px == 0 or not (path / "frames").is_dir():
+def glimpses(folder: Path, rows: pd.DataFrame, width_px: int) -> Iterator[Glimpse]:
+    """What every camera saw in one frame, cut out around the target's features, then what every asked LIDAR did.
+
+    ``rows``: of the pooled frames, those of this frame. Nothing where the data set is not there.
+    """
+    answers = Answers(folder)
+    try:
+        dataset = answers.dataset(rows.iloc[0])
+        yield from _pictures(dataset, int(rows["frame"].iloc[0]), width_px)
+        for _, row in rows[rows["modality"] == "lidar"].drop_duplicates("sensor").iterrows():
+            for view in lidar_views(answers, row, _NOTHING):
+                yield Glimpse(view.name, view.layers[0].uri, view.width, view.height)
+    except DatasetError:
         return
-    dataset = Dataset.open(path)
+
+
+def _pictures(dataset: Dataset, frame: int, width_px: int) -> Iterator[Glimpse]:
     poses, images = dataset.truth(frame).sensor_from_target, dataset.observation(frame).images
     for camera, model in dataset.sensors.items():
         points = [model.intrinsics.project(poses[camera].apply(feature_points(one))) for one in dataset.features]
-        lens = model.intrinsics
-        window = around(np.vstack(points) if points else np.empty((0, 2)), lens)
+        window = around(np.vstack(points) if points else np.empty((0, 2)), model.intrinsics)
         pixels = fitted(shown(window.cut(images[camera].pixels), model), width_px)
         yield Glimpse(camera, data_uri(pixels, _QUALITY), pixels.shape[1], pixels.shape[0])
 

@@ -1,4 +1,4 @@
-"""Two frames that tell: where the light left enough to know the pose and a method failed, and where nobody could have known."""
+"""Two frames that tell: where the light left enough to know the pose and a method failed, and where the light took the most."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,24 +7,28 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from benchmark.errors import PredictionsError
 from benchmark.gallery_answers import Answers
 from benchmark.gallery_cameras import camera_views
 from benchmark.gallery_item import View, conditions, verdict
+from benchmark.gallery_lidars import lidar_views
 from benchmark.ranking_cells import short
 from benchmark.study.outcomes import Outcomes
 from benchmark.subjects import NAMES
+from scenes.errors import DatasetError
 
 _GOOD, _POOR = 1 / 3, 0.9  # of the frames' bounds: up to which quantile one is good, from which on poor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Telling:
-    """One frame of one method; ``heading`` says what it shows, ``verdict`` what came out."""
+    """One frame of one method; ``heading`` says what it shows, ``verdict`` what came out, ``bound`` how well one could know."""
 
     heading: str
     method: str
     label: str
     link: str
+    frame: int
     verdict: str
     conditions: str
     bound: str
@@ -36,12 +40,15 @@ def telling(folder: Path, found: Outcomes) -> Iterator[Telling]:
     answers = Answers(folder)
     for modality in NAMES:
         frames = found.frames[(found.frames["modality"] == modality) & found.frames["bound_asked"]]
-        for heading, row in _chosen(frames, NAMES[modality]):
-            if (folder / str(row["dataset"]) / "frames").is_dir():
-                yield _told(answers, found, heading, row)
+        for is_light, row in _chosen(frames):
+            try:
+                yield _told(answers, found, frames, is_light, row)
+            except (DatasetError, PredictionsError):
+                continue  # data sets need not be there
 
 
-def _chosen(frames: pd.DataFrame, name: str) -> Iterator[tuple[str, pd.Series]]:
+def _chosen(frames: pd.DataFrame) -> Iterator[tuple[bool, pd.Series]]:
+    """At most one frame where the method failed, and one where the light did, which is said with it."""
     sigma = frames["bound_rotation_rad"].astype(np.float64)
     known = sigma.dropna()
     if known.empty:
@@ -49,26 +56,40 @@ def _chosen(frames: pd.DataFrame, name: str) -> Iterator[tuple[str, pd.Series]]:
     failed = frames[~frames["right"] & (sigma <= known.quantile(_GOOD))]
     if len(failed):
         lost = failed.sort_values(["charge", "bound_rotation_rad"], ascending=[False, True], kind="stable")
-        yield f"{name}: the light was good, the method failed", lost.iloc[0]
+        yield False, lost.iloc[0]
     poor = frames[sigma.isna() | (sigma >= known.quantile(_POOR))]
     poor = poor.assign(order=sigma.fillna(np.inf)).sort_values(["order", "charge"], ascending=False, kind="stable")
-    yield f"{name}: nobody could have known", poor.iloc[0]
+    yield True, poor.iloc[0]
 
 
-def _told(answers: Answers, found: Outcomes, heading: str, row: pd.Series) -> Telling:
+def _told(answers: Answers, found: Outcomes, frames: pd.DataFrame, is_light: bool, row: pd.Series) -> Telling:
     labels = found.points.drop_duplicates("point").set_index("point")["label"]
-    sigma = row["bound_rotation_rad"]
-    known = found.frames.loc[found.frames["modality"] == row["modality"], "bound_rotation_rad"].dropna()
-    share = f"; {np.mean(known < sigma):.0%} of the frames have a better one" if np.isfinite(sigma) else ""
-    bound = f"σ {short(float(np.degrees(sigma)))}°{share}" if np.isfinite(sigma) else "undetermined: what was seen does not say it"
-    views = camera_views(answers, row, answers.of(row)) if row["modality"] != "lidar" else ()
+    is_lost = not np.isfinite(row["bound_rotation_rad"])
+    what = "the light was good, the method failed"
+    if is_light:
+        what = "nobody could have known" if is_lost else "the light took the most"
+    said = answers.of(row)
+    views = (lidar_views if row["modality"] == "lidar" else camera_views)(answers, row, said)
     return Telling(
-        heading=heading,
+        heading=f"{NAMES[row['modality']]}: {what}",
         method=str(row["method"]),
         label=str(labels[row["point"]]),
         link=f"point-{row['point']}",
-        verdict=verdict(row),
+        frame=int(row["frame"]),
+        verdict=verdict(row) + ("" if row["answered"] or not said.reason else f" (“{said.reason}”)"),
         conditions=conditions(row),
-        bound=bound,
+        bound=_bound(row, frames),
         views=views,
     )
+
+
+def _bound(row: pd.Series, frames: pd.DataFrame) -> str:
+    """The σ of a frame's attitude, where it stands among the study's, and how many of it the answer is off."""
+    sigma = float(row["bound_rotation_rad"])
+    if not np.isfinite(sigma):
+        return "undetermined: what was seen does not say the attitude"
+    each = frames.drop_duplicates(["run", "sensor", "frame"])["bound_rotation_rad"].astype(np.float64)
+    better, best = int((each < sigma).sum()), float(each.min())
+    place = "the best of all" if better == 0 else f"{sigma / best:.3g} times the best, better in {better} of {len(each)} frames"
+    off = f"; the answer is {np.radians(row['geodesic_deg']) / sigma:.3g} σ off" if row["answered"] else ""
+    return f"{short(float(np.degrees(sigma)))}°, {place}{off}"

@@ -8,6 +8,7 @@
   function show(name, jump) {
     const known = cards.some((card) => card.id === name);
     for (const card of cards) card.hidden = known ? card.id !== name : name !== "all";
+    document.querySelector(".cards").classList.toggle("one", known);
     list.value = known ? name : "all";
     if (jump && known) document.getElementById(name).scrollIntoView({ block: "center" });
   }
