@@ -1,5 +1,6 @@
 """The information limit of a study's data sets: found once, kept as bounds/<run>.parquet beside what they follow from."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
@@ -42,6 +43,13 @@ def read(out: Path, run: str) -> pd.DataFrame | None:
     """The bounds of one run, None where none were asked for."""
     path = out / FOLDER / f"{run}.parquet"
     return pd.read_parquet(path) if path.is_file() else None
+
+
+def forget(out: Path, runs: Iterable[str]) -> None:
+    """Removes bounds that nobody asks for any more, which would be read as if somebody had."""
+    for run in runs:
+        for ending in ("parquet", "sha256"):
+            (out / FOLDER / f"{run}.{ending}").unlink(missing_ok=True)
 
 
 def sensors_of(case: Case) -> list[str]:

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from benchmark.study import directions
+from benchmark.study.collisions import path_twice
 from benchmark.study.edits import Tree, edited, found, times
 from benchmark.study.lights import distance_of, faced, set_apart
 from scenes.arrays import Floats
@@ -42,8 +43,9 @@ class _Ordered(Spec):
             raise ValueError("a factor has levels = [...], or a range = [low, high]")
         if len(set(self.levels)) < len(self.levels):
             raise ValueError("levels: one is there twice")
-        if self.scale == "log" and min(self.ends) <= 0:
-            raise ValueError(f"scale = 'log' needs numbers above zero, and the lowest is {min(self.ends):g}")
+        lowest = min(*self.ends, *self.levels)
+        if self.scale == "log" and lowest <= 0:
+            raise ValueError(f"scale = 'log' needs numbers above zero, and the lowest is {lowest:g}")
         return self
 
     @property
@@ -134,6 +136,12 @@ class DistanceFactor(_Ordered):
     light: str
     unit: str = "m"
 
+    @model_validator(mode="after")
+    def _is_away_from_there(self) -> "DistanceFactor":
+        if (lowest := min(*self.ends, *self.levels)) <= 0:
+            raise ValueError(f"a distance is above zero, and the lowest is {lowest:g}")
+        return self
+
     def baseline(self, tree: Tree) -> Value | None:
         """The distance in the scenario."""
         return round(distance_of(tree, self.light), 6)
@@ -219,4 +227,6 @@ def refused(factor: Any, name: str, tree: Tree) -> str | None:
         factor.baseline(tree)
     except UsageError as error:
         return f"factors.{name}: {error}"
+    if (path := path_twice(factor, tree)) is not None:
+        return f"factors.{name}.paths: {path!r} leads to what another of the paths changes already"
     return None

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from benchmark.study.edits import Tree
 from benchmark.study.factor import Value
 from benchmark.study.record import factor_records
-from benchmark.study.spec import Study
+from benchmark.study.spec import Study, case_of
 from scenes.arrays import Floats
 from scenes.errors import UsageError
 from scenes.provenance import sha256_of_json
@@ -110,9 +110,11 @@ def _point(study: Study, tree: Tree, values: Mapping[str, Value | None]) -> Poin
 def _finished(study: Study, tree: Tree, values: Mapping[str, Value | None], moved: str, label: str) -> Point:
     try:
         scenario = Scenario.model_validate(tree)
+        case_of(study, f"p{'0' * _DIGITS}", label, scenario)  # its frames may be gone
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(key) for key in first["loc"])
-        raise UsageError(f"at {label} the scenario is refused: {place}: {first['msg']}") from None
+        said = first["msg"].removeprefix("Value error, ")
+        raise UsageError(f"at {label} the scenario is refused: {f'{place}: ' if place else ''}{said}") from None
     digest = sha256_of_json([scenario.model_dump(mode="json"), study.quality, study.frames, study.seeds])
     return Point(f"p{digest[:_DIGITS]}", MappingProxyType(dict(values)), moved, label, scenario)

@@ -15,7 +15,7 @@ from benchmark.files import publish
 from benchmark.progress import Progress
 from benchmark.results import Results
 from benchmark.study import record
-from benchmark.study.bounds import bounded
+from benchmark.study.bounds import bounded, forget
 from benchmark.study.points import Point, points, table
 from benchmark.study.spec import Study, case_of, suite_of
 from benchmark.suite import Suite
@@ -40,10 +40,13 @@ def study(study: Study, out: Path, *, workers: int = 1, progress: Progress | Non
     A point that cannot be rendered or asked about is left out and named in study.json; the others are not touched by it.
     """
     chosen = points(study)
-    index, refused = run_points(study, chosen, out, workers=workers, progress=progress, command=command)
-    kept = tuple(point for point in chosen if study.design == "sobol" or point.name not in refused)  # SALib counts rows
-    if all(point.name in refused for point in chosen):
+    index, refused = _points_done(study, chosen, out, workers=workers, progress=progress, command=command)
+    if all(point.name in refused for point in chosen):  # before anything is written: what lies there may be another try's
         raise UsageError(f"no point could be done; the first: {next(iter(refused.values()))}")
+    results.write(out, index)
+    if study.bound_frames is None:
+        forget(out, (one.name for one in index.cases))
+    kept = tuple(point for point in chosen if study.design == "sobol" or point.name not in refused)  # SALib counts rows
     publish(out, {record.POINTS: table(study, kept).to_parquet(index=False)})
     record.write(out, record.record_of(study, command, refused))
     return index
@@ -53,6 +56,14 @@ def run_points(
     study: Study, chosen: Sequence[Point], out: Path, *, workers: int = 1, progress: Progress | None = None, command: str = ""
 ) -> tuple[Results, dict[str, str]]:
     """Does the work of ``chosen`` and writes results.json. Also returned: point → why it could not be done."""
+    index, refused = _points_done(study, chosen, out, workers=workers, progress=progress, command=command)
+    results.write(out, index)
+    return index, refused
+
+
+def _points_done(
+    study: Study, chosen: Sequence[Point], out: Path, *, workers: int, progress: Progress | None, command: str
+) -> tuple[Results, dict[str, str]]:
     unique = {point.name: point for point in chosen}
     cases = tuple(case_of(study, name, point.label, point.scenario) for name, point in unique.items())
     suite = suite_of(study, cases)
@@ -65,9 +76,7 @@ def run_points(
             refused.setdefault(job.case.name, fault)
         if progress is not None:
             progress(done, len(jobs))
-    index = _index([job for job in jobs if job.case.name not in refused], suite, out, command)
-    results.write(out, index)
-    return index, refused
+    return _index([job for job in jobs if job.case.name not in refused], suite, out, command), refused
 
 
 def do(job: Job) -> str | None:

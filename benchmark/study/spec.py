@@ -8,6 +8,7 @@ from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_valida
 
 from benchmark.case import Case, Name, Seed, SeedCount
 from benchmark.limits import Limits
+from benchmark.study.collisions import columns_twice, lost
 from benchmark.study.factor import Factor, refused
 from benchmark.subjects import Modality
 from benchmark.suite import Method, Note, Suite
@@ -87,6 +88,9 @@ class Study(Spec):
     def _factors_are_the_scenarios(self) -> "Study":
         tree = self.scenario.model_dump(mode="json")
         faults = [fault for name, factor in self.factors.items() if (fault := refused(factor, name, tree))]
+        faults += columns_twice(self.factors)
+        if not faults and self.design != "one-at-a-time":
+            faults = lost(self.factors, tree)
         if faults:
             raise ValueError("; ".join(faults))
         directed = [name for name, factor in self.factors.items() if factor.dimensions == 2]
