@@ -19,7 +19,7 @@ import pytest
 from estimators import registry
 from scenes.dataset_manifest import read_manifest
 
-VERBS = ("demo", "doctor", "list", "render", "verify", "estimate", "check", "conform", "judge", "bench", "report")
+VERBS = ("demo", "doctor", "list", "render", "verify", "estimate", "check", "conform", "judge", "bench", "report", "study", "worst")
 VERBS += ("archive", "reproduce", "bound")
 HEAVY = ("numpy", "scipy", "pandas", "pyarrow", "matplotlib", "cv2", "mitsuba", "drjit", "pydantic", "jinja2", "trimesh")
 SUITE = """
