@@ -49,16 +49,15 @@ def telling(folder: Path, found: Outcomes) -> Iterator[Telling]:
 
 def _chosen(frames: pd.DataFrame) -> Iterator[tuple[bool, pd.Series]]:
     """At most one frame where the method failed, and one where the light did, which is said with it."""
-    sigma = frames["bound_rotation_rad"].astype(np.float64)
-    known = sigma.dropna()
-    if known.empty:
+    sigma = frames["bound_rotation_rad"].astype(np.float64).fillna(np.inf)
+    if not np.isfinite(sigma).any():
         return
-    failed = frames[~frames["right"] & (sigma <= known.quantile(_GOOD))]
+    good, poor_from = (float(np.quantile(sigma, share, method="lower")) for share in (_GOOD, _POOR))
+    failed = frames[~frames["right"] & np.isfinite(sigma) & (sigma <= good)]
     if len(failed):
         lost = failed.sort_values(["charge", "bound_rotation_rad"], ascending=[False, True], kind="stable")
         yield False, lost.iloc[0]
-    poor = frames[sigma.isna() | (sigma >= known.quantile(_POOR))]
-    poor = poor.assign(order=sigma.fillna(np.inf)).sort_values(["order", "charge"], ascending=False, kind="stable")
+    poor = frames[sigma >= poor_from].assign(order=sigma).sort_values(["order", "charge"], ascending=False, kind="stable")
     yield True, poor.iloc[0]
 
 
@@ -90,6 +89,11 @@ def _bound(row: pd.Series, frames: pd.DataFrame) -> str:
         return "undetermined: what was seen does not say the attitude"
     each = frames.drop_duplicates(["run", "sensor", "frame"])["bound_rotation_rad"].astype(np.float64)
     better, best = int((each < sigma).sum()), float(each.min())
-    place = "the best of all" if better == 0 else f"{sigma / best:.3g} times the best, better in {better} of {len(each)} frames"
-    off = f"; the answer is {np.radians(row['geodesic_deg']) / sigma:.3g} σ off" if row["answered"] else ""
+    place = f"{_rounded(sigma / best)} times the best, better in {better} of {len(each)} frames" if better else "the best of all"
+    off = f"; the answer is {_rounded(np.radians(row['geodesic_deg']) / sigma)} σ off" if row["answered"] else ""
     return f"{short(float(np.degrees(sigma)))}°, {place}{off}"
+
+
+def _rounded(ratio: float) -> str:
+    """Three digits, and no exponent."""
+    return f"{float(f'{ratio:.3g}'):.10g}"
