@@ -14,7 +14,8 @@ from benchmark.study.record import FactorRecord
 from benchmark.study.score_record import Sensitivity, StudyScores
 from benchmark.subjects import NAMES
 
-_WIDTH_IN, _HEADING_IN, _BAR_IN = 4.4, 0.24, 0.13
+_WIDTH_IN, _HEADING_IN, _BAR_IN = 4.4, 0.24, 0.17
+_BEFORE, _MOST = -0.03, 1.05  # shares of the variance: where markers stand, where intervals are cut
 _OUTPUTS = {"charge": "score", "availability": "share of right answers"}
 _CAPTION = (
     "Sobol' indices: full bar, what the factor does alone (first order); pale bar, with all in which it has a part (total). "
@@ -51,7 +52,7 @@ def _chart(factors: Sequence[FactorRecord], found: list[Sensitivity], places: di
                 middle = top + _HEADING_IN + (place + 0.5) * _BAR_IN
                 _bars(axes, index.first, index.total, middle, look(places[one.method]))
         axes.set_ylim(group_in * len(names), 0)
-        axes.set_xlim(-0.03, 1.05)
+        axes.set_xlim(2 * _BEFORE, _MOST)
         dress(axes, "share of the variance", "")
         axes.set_yticks([])
         axes.axvline(0, color=INK, linewidth=0.7)
@@ -59,17 +60,15 @@ def _chart(factors: Sequence[FactorRecord], found: list[Sensitivity], places: di
 
 
 def _bars(axes: Axes, first: Estimate, total: Estimate, middle: float, style: dict[str, Any]) -> None:
-    """The pale bar behind the full one, each with its interval and the method's marker at the total."""
-    colour, thick = style["color"], 0.8 * _BAR_IN
-    for one, alpha, share in ((total, 0.3, 1.0), (first, 0.9, 0.55)):
+    """Two bars, the full one above the pale one, each with its interval; the method's marker before them."""
+    half = 0.42 * _BAR_IN
+    for one, alpha, shift in ((first, 0.9, -half / 2), (total, 0.35, half / 2)):
         if one.value is None:
             continue
-        axes.barh(middle, max(one.value, 0.0), height=share * thick, color=colour, alpha=alpha, linewidth=0)
+        axes.barh(middle + shift, max(one.value, 0.0), height=half, color=style["color"], alpha=alpha, linewidth=0)
         if one.low is not None and one.high is not None:
-            shift = 0.25 * thick if share < 1 else -0.25 * thick
-            axes.hlines(middle + shift, max(one.low, -0.03), min(one.high, 1.05), color=INK, linewidth=0.8, alpha=0.7)
-    if total.value is not None:
-        axes.plot([min(max(total.value, 0.0), 1.05)], [middle], markersize=4, clip_on=False, **(style | {"linestyle": "none"}))
+            axes.hlines(middle + shift, max(one.low, 0.0), min(one.high, _MOST), color=INK, linewidth=0.8)
+    axes.plot([_BEFORE], [middle], markersize=4, clip_on=False, **(style | {"linestyle": "none"}))
 
 
 def _told(one: Sensitivity, titles: dict[str, str]) -> str:

@@ -90,15 +90,15 @@ def _varied(found: Outcomes) -> Iterator[str]:
             yield f"{factor.title}: {counted(len(found.points[names].dropna().drop_duplicates()), 'direction')}"
             continue
         own = "" if factor.baseline is None else f"; the scenario has {factor.baseline:.4g}{unit}"
-        yield f"{factor.title}: {_levels(found.points[factor.name])}{unit}{own}"
+        yield f"{factor.title}: {_levels(found.points[factor.name], unit)}{own}"
 
 
-def _levels(column: "pd.Series[float]") -> str:
+def _levels(column: "pd.Series[float]", unit: str) -> str:
     levels = np.unique(column.dropna().to_numpy(dtype=np.float64))
     if not len(levels):
         return "as the scenario is"
     written = [f"{one:.4g}" for one in levels]
-    return ", ".join(written) if len(levels) <= 14 else f"{written[0]} to {written[-1]} ({len(levels)} levels)"
+    return ", ".join(written) + unit if len(levels) <= 14 else f"{written[0]} to {written[-1]}{unit}, {len(levels)} levels"
 
 
 def _counts(found: Outcomes) -> str:
