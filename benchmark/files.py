@@ -1,10 +1,16 @@
-"""Writing results: a set of files appears whole or not at all, and a full disk is one sentence."""
+"""Files of results: a set of them appears whole or not at all, a full disk and a damaged record are one sentence."""
 
 import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TypeVar
 
+from pydantic import BaseModel, ValidationError
+
+from benchmark.errors import PredictionsError, damaged
 from scenes.errors import StorageError
+
+Record = TypeVar("Record", bound=BaseModel)
 
 
 def publish(folder: Path, contents: Mapping[str, bytes]) -> None:
@@ -24,6 +30,20 @@ def publish(folder: Path, contents: Mapping[str, bytes]) -> None:
     finally:
         for path in beside.values():
             path.unlink(missing_ok=True) if folder.is_dir() else None
+
+
+def read_record(folder: Path, name: str, model: type[Record], remedy: str) -> Record:
+    """The JSON file ``name`` of ``folder`` as a ``model``; ``remedy``: what to do where there is none.
+
+    Raises ``PredictionsError`` where there is none or it is damaged.
+    """
+    path = folder / name
+    try:
+        return model.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        raise PredictionsError(f"{folder} holds no {name}; {remedy}") from None
+    except ValidationError as error:
+        raise damaged(path, error) from error
 
 
 def _write_through(path: Path, data: bytes) -> None:

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import get_args
 
 import pandas as pd
-from pydantic import ValidationError
 
-from benchmark.errors import PredictionsError, damaged
-from benchmark.files import publish
+from benchmark.files import publish, read_record
 from benchmark.ranking_division import division
 from benchmark.ranking_record import Difference, Division, Estimate, Ranking, Rule, Standing
 from benchmark.ranking_rule import charges
@@ -42,10 +40,4 @@ def write(folder: Path, found: Ranking) -> None:
 
 def read(folder: Path) -> Ranking:
     """The ranking in ``folder``. Raises ``PredictionsError`` where there is none or it is not one."""
-    path = folder / FILE
-    try:
-        return Ranking.model_validate_json(path.read_bytes())
-    except FileNotFoundError:
-        raise PredictionsError(f"{folder} holds no {FILE}; run hardlight bench or judge again") from None
-    except ValidationError as error:
-        raise damaged(path, error) from error
+    return read_record(folder, FILE, Ranking, "run hardlight bench or judge again")

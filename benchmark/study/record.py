@@ -3,10 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from benchmark.errors import PredictionsError, damaged
-from benchmark.files import publish
+from benchmark.files import publish, read_record
 from benchmark.subjects import Modality
 from benchmark.suite import Note
 from scenes.spec import Spec
@@ -93,10 +92,4 @@ def write(folder: Path, found: StudyRecord) -> None:
 
 def read(folder: Path) -> StudyRecord:
     """The record in ``folder``. Raises ``PredictionsError`` where there is none or it is not one."""
-    path = folder / FILE
-    try:
-        return StudyRecord.model_validate_json(path.read_bytes())
-    except FileNotFoundError:
-        raise PredictionsError(f"{folder} holds no {FILE}; give the --out folder of hardlight study") from None
-    except ValidationError as error:
-        raise damaged(path, error) from error
+    return read_record(folder, FILE, StudyRecord, "give the --out folder of hardlight study")

@@ -2,10 +2,7 @@
 
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from benchmark.errors import PredictionsError, damaged
-from benchmark.files import publish
+from benchmark.files import publish, read_record
 from benchmark.study.aggregate import aggregated
 from benchmark.study.break_points import break_points
 from benchmark.study.level_sets import LevelSet, level_sets
@@ -34,13 +31,7 @@ def write(folder: Path, found: StudyScores) -> None:
 
 def read(folder: Path) -> StudyScores:
     """The scores in ``folder``. Raises ``PredictionsError`` where there are none or the file is damaged."""
-    path = folder / FILE
-    try:
-        return StudyScores.model_validate_json(path.read_bytes())
-    except FileNotFoundError:
-        raise PredictionsError(f"{folder} holds no {FILE}; run hardlight study again") from None
-    except ValidationError as error:
-        raise damaged(path, error) from error
+    return read_record(folder, FILE, StudyScores, "run hardlight study again")
 
 
 def _of_panel(found: Outcomes, panel: Panel, levels: list[LevelSet]) -> StudyScores:

@@ -4,10 +4,9 @@ import math
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from benchmark.errors import PredictionsError, damaged
-from benchmark.files import publish
+from benchmark.files import publish, read_record
 from benchmark.study.factor import Value
 from benchmark.study.score_record import AVAILABLE
 from benchmark.study.search_proposals import Sampler
@@ -122,10 +121,4 @@ def write(folder: Path, found: WorstRecord) -> None:
 
 def read(folder: Path) -> WorstRecord:
     """The record in ``folder``. Raises ``PredictionsError`` where there is none or the file is damaged."""
-    path = folder / FILE
-    try:
-        return WorstRecord.model_validate_json(path.read_bytes())
-    except FileNotFoundError:
-        raise PredictionsError(f"{folder} holds no {FILE}; run hardlight worst again") from None
-    except ValidationError as error:
-        raise damaged(path, error) from error
+    return read_record(folder, FILE, WorstRecord, "run hardlight worst again")
