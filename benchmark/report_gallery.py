@@ -8,12 +8,11 @@ import pandas as pd
 
 from benchmark.errors import PredictionsError
 from benchmark.gallery_answers import Answers
-from benchmark.gallery_cameras import camera_views
 from benchmark.gallery_choice import Choice, choose
 from benchmark.gallery_command import command
 from benchmark.gallery_item import Item, item
-from benchmark.gallery_lidars import lidar_views
 from benchmark.gallery_scans import Scan3D, choose_scans, scans_3d
+from benchmark.gallery_views import views_of
 from benchmark.report_lidar_pictures import LEGEND
 from benchmark.results import Results
 from benchmark.subjects import NAMES
@@ -78,7 +77,7 @@ def _card(choice: Choice, number: int, answers: Answers, order: list[str], bases
     row = choice.row
     try:
         said = answers.of(row)
-        views = (lidar_views if row["modality"] == "lidar" else camera_views)(answers, row, said)
+        views = views_of(answers, row, said)
         line = command(answers.dataset(row).manifest, int(row["frame"]), bases.get(str(row["run"]), str(row["run"])))
     except (DatasetError, PredictionsError):
         return None

@@ -97,7 +97,7 @@ class Suite(Spec):
     def _called_after_its_file(cls, value: Any, handler: ModelWrapValidatorHandler["Suite"]) -> "Suite":
         suite = handler(value)
         if isinstance(value, Table):
-            suite._name = re.sub("[^a-z0-9]+", "-", Path(value.origin.label).stem.lower()).strip("-") or "suite"
+            suite._name = called(value) or suite._name
         return suite
 
     @model_validator(mode="after")
@@ -156,6 +156,11 @@ class Suite(Spec):
     def methods_for(self, case: Case, subject: Subject) -> dict[str, Method]:
         """Those of them that answer one of its subjects."""
         return {name: method for name, method in self.methods_of(case).items() if method.answers(subject)}
+
+
+def called(table: Table) -> str:
+    """The name of the file that a table came from, in letters that a folder may have; empty where none is left."""
+    return re.sub("[^a-z0-9]+", "-", Path(table.origin.label).stem.lower()).strip("-")
 
 
 def _refuse_doubt(case: Case, name: str, method: Method) -> None:

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from benchmark import bench
 from benchmark.gallery_answers import Answers, feature_of
-from benchmark.gallery_cameras import camera_views
 from benchmark.gallery_item import View
-from benchmark.gallery_lidars import lidar_views
 from benchmark.gallery_outlines import outlined, silhouette
+from benchmark.gallery_views import views_of
 from benchmark.gallery_window import Window
 from benchmark.report_pictures import bgr, shown
 from benchmark.study.bounds import bounded
@@ -62,7 +61,7 @@ def same(frames: pd.DataFrame, row: pd.Series) -> pd.Series:
 def views(folder: Path, row: pd.Series) -> tuple[View, ...]:
     """The row's frame cut out, with its outlines, as the gallery of a leaderboard shows it."""
     answers = Answers(folder)
-    return (lidar_views if row["modality"] == "lidar" else camera_views)(answers, row, answers.of(row))
+    return views_of(answers, row, answers.of(row))
 
 
 def picture(folder: Path, row: pd.Series) -> bytes:

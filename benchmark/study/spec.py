@@ -1,7 +1,5 @@
 """A study: one scenario, methods, what is varied and by which plan. Data, no logic."""
 
-import re
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
@@ -11,7 +9,7 @@ from benchmark.limits import Limits
 from benchmark.study.collisions import columns_twice, lost
 from benchmark.study.factor import Factor, refused
 from benchmark.subjects import Modality
-from benchmark.suite import Method, Note, Suite
+from benchmark.suite import Method, Note, Suite, called
 from scenes.config import load
 from scenes.config_tree import Table
 from scenes.dataset_range import parse_frames
@@ -71,7 +69,7 @@ class Study(Spec):
     def _called_after_its_file(cls, value: Any, handler: ModelWrapValidatorHandler["Study"]) -> "Study":
         study = handler(value)
         if isinstance(value, Table):
-            study._name = re.sub("[^a-z0-9]+", "-", Path(value.origin.label).stem.lower()).strip("-") or "study"
+            study._name = called(value) or study._name
         return study
 
     @model_validator(mode="after")

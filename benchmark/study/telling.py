@@ -9,9 +9,8 @@ import pandas as pd
 
 from benchmark.errors import PredictionsError
 from benchmark.gallery_answers import Answers
-from benchmark.gallery_cameras import camera_views
 from benchmark.gallery_item import View, conditions, verdict
-from benchmark.gallery_lidars import lidar_views
+from benchmark.gallery_views import views_of
 from benchmark.ranking_cells import short
 from benchmark.study.outcomes import Outcomes
 from benchmark.subjects import NAMES
@@ -68,7 +67,7 @@ def _told(answers: Answers, found: Outcomes, frames: pd.DataFrame, is_light: boo
     if is_light:
         what = "nobody could have known" if is_lost else "the light took the most"
     said = answers.of(row)
-    views = (lidar_views if row["modality"] == "lidar" else camera_views)(answers, row, said)
+    views = views_of(answers, row, said)
     return Telling(
         heading=f"{NAMES[row['modality']]}: {what}",
         method=str(row["method"]),
