@@ -4,13 +4,12 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
-from benchmark import results
+from benchmark import results, run_bounds
 from benchmark.case import Case, CaseRun
 from benchmark.entries import Task, done_here, done_in_processes
 from benchmark.limits import Limits
 from benchmark.progress import Progress
 from benchmark.results import CaseHeading, Entry, Results
-from benchmark.study import bounds
 from benchmark.suite import Suite
 from estimators import registry
 from scenes.dataset import Dataset
@@ -97,14 +96,19 @@ def render_run(
         )
 
 
-def bound_run(suite: Suite, case: Case, run: CaseRun, path: Path, out: Path, stages: Stages) -> None:
-    """The information limit of the frames that the suite, or the case, names; found once, kept in ``out``."""
+def bound_run(
+    suite: Suite, case: Case, run: CaseRun, path: Path, out: Path, stages: Stages, samples: int | None = None
+) -> None:
+    """The information limit of the frames that the suite, or the case, names; found once, kept in ``out``.
+
+    ``samples``: of each pixel in each rendering; as many as ``hardlight bound`` takes where left out.
+    """
     frames = case.bounds or suite.bounds
     if frames is not None:
         from benchmark.information.pictures import SAMPLES
 
         with stages(f"bound {run.name}: {len(case.bounded(frames))} frames") as progress:
-            bounds.bounded(path, out, run.name, frames, SAMPLES, case, progress)
+            run_bounds.bounded(path, out, run.name, frames, samples or SAMPLES, case, progress)
 
 
 def refuse_unknown_methods(suite: Suite) -> None:
@@ -131,7 +135,7 @@ def tasks_of(suite: Suite, case: Case, run: CaseRun, dataset: Path, out: Path, l
                 folder=out / ENTRIES / run.name / subject.name / title,
                 limits=limits,
                 reuse=limits is not None,
-                bounds=bounds.path_of(out, run.name) if case.bounds or suite.bounds else None,
+                bounds=run_bounds.path_of(out, run.name) if case.bounds or suite.bounds else None,
             )
 
 

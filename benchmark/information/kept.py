@@ -55,24 +55,28 @@ def completed(
     *,
     samples: int,
     light_direction: bool = False,
+    name: str = BOUNDS,
+    alone: bool = False,
 ) -> pd.DataFrame:
-    """The rows of ``frames`` and ``sensors``; those that bounds.parquet in ``folder`` lacks are found and kept there as it goes on.
+    """The rows of ``frames`` and ``sensors``; those that the file ``name`` in ``folder`` lacks are found and kept as it goes on.
 
-    What it holds of another data set, or found in another way or by another version, is replaced.
+    What it holds of another data set, or found in another way or by another version, is replaced; ``alone``: so is what it holds of
+    other frames and sensors.
     """
     from benchmark.information.table import frame_rows
 
     how: dict[str, Any] = {"samples": samples, "light_direction": light_direction}
     attrs = {_DATASET: dataset.identity, _HOW: how | {"software": software_versions()}}
-    rows, kept = _there(folder / BOUNDS, attrs), monotonic()
+    there, kept, asked = _there(folder / name, attrs), monotonic(), {(frame, sensor) for frame in frames for sensor in sensors}
+    rows = {key: row for key, row in there.items() if not alone or key in asked}
     lacking = [frame for frame in frames if any((frame, sensor) not in rows for sensor in sensors)]
     for found in frame_rows(dataset, lacking, sensors, progress, **how) if lacking else ():
         rows |= {(row["frame"], row["sensor"]): row for row in found}
         if monotonic() - kept > _OFTEN_S:
-            _keep(folder, rows, attrs)
+            _keep(folder, name, rows, attrs)
             kept = monotonic()
-    if lacking:
-        _keep(folder, rows, attrs)
+    if lacking or len(rows) < len(there):
+        _keep(folder, name, rows, attrs)
     return pd.DataFrame([rows[frame, sensor] for frame in frames for sensor in sensors])
 
 
@@ -91,7 +95,7 @@ def _opened(path: Path) -> pd.DataFrame:
         raise PredictionsError(f"{path} is damaged ({error}); remove it, then hardlight bound writes it anew") from None
 
 
-def _keep(folder: Path, rows: Rows, attrs: dict[str, Any]) -> None:
+def _keep(folder: Path, name: str, rows: Rows, attrs: dict[str, Any]) -> None:
     table = pd.DataFrame([rows[key] for key in sorted(rows)])
     table.attrs = dict(attrs.items())
-    publish(folder, {BOUNDS: table.to_parquet(index=False)})
+    publish(folder, {name: table.to_parquet(index=False)})

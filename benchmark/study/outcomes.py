@@ -6,14 +6,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from benchmark import results
+from benchmark import results, run_bounds
+from benchmark.bound_scores import SIGMAS
 from benchmark.errors import PredictionsError
 from benchmark.pool import pool
 from benchmark.ranking_rule import charges
-from benchmark.study import bounds, record
+from benchmark.study import record
 from benchmark.study.record import StudyRecord
-
-_SIGMAS = {"sigma_rotation_rad": "bound_rotation_rad", "sigma_position_m": "bound_position_m"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,11 +48,11 @@ def outcomes(folder: Path) -> Outcomes:
 
 def _bounded(folder: Path, frames: pd.DataFrame) -> pd.DataFrame:
     """``frames`` with the bound of what each answer was made from: one camera's, both of a rig's, a LIDAR's."""
-    tables = {run: bounds.read(folder, run) for run in frames["run"].unique()}
+    tables = {run: run_bounds.read(folder, run) for run in frames["run"].unique()}
     found = [one.assign(run=run) for run, one in tables.items() if one is not None]
-    columns = ["run", "frame", "seen_by", *_SIGMAS.values()]
+    columns = ["run", "frame", "seen_by", *SIGMAS.values()]
     if found:
-        known = pd.concat(found, ignore_index=True).rename(columns={**_SIGMAS, "sensor": "seen_by"})[columns]
+        known = pd.concat(found, ignore_index=True).rename(columns={**SIGMAS, "sensor": "seen_by"})[columns]
     else:
         known = pd.DataFrame(columns=columns)
     merged = frames.assign(seen_by=_seen_by(frames)).merge(known.assign(bound_asked=True), on=columns[:3], how="left")

@@ -14,8 +14,8 @@ from benchmark.entries import answer_and_judge
 from benchmark.files import publish
 from benchmark.progress import Progress
 from benchmark.results import Results
+from benchmark.run_bounds import forget
 from benchmark.study import record
-from benchmark.study.bounds import bounded, forget
 from benchmark.study.points import Point, points, table
 from benchmark.study.spec import Study, case_of, suite_of
 from benchmark.suite import Suite
@@ -24,13 +24,12 @@ from scenes.errors import HardlightError, UsageError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """One data set of one point, and all that is done with it. ``bound_frames``: see ``Study``."""
+    """One data set of one point, and all that is done with it. ``bound_samples``: see ``Study``."""
 
     suite: Suite
     case: Case
     run: CaseRun
     out: Path
-    bound_frames: str | None
     bound_samples: int
 
 
@@ -69,7 +68,7 @@ def _points_done(
     suite = suite_of(study, cases)
     bench.refuse_unknown_methods(suite)
     alone = {case.name: suite.model_copy(update={"cases": (case,)}) for case in cases}
-    jobs = [Job(alone[case.name], case, run, out, study.bound_frames, study.bound_samples) for case in cases for run in case.runs]
+    jobs = [Job(alone[case.name], case, run, out, study.bound_samples) for case in cases for run in case.runs]
     refused: dict[str, str] = {}
     for done, (job, fault) in enumerate(_done(jobs, workers), start=1):
         if fault is not None:
@@ -80,19 +79,18 @@ def _points_done(
 
 
 def do(job: Job) -> str | None:
-    """Renders what is missing of a data set, lets every method answer, judges, bounds. What stands in the way of it, if so.
+    """Renders what is missing of a data set, bounds it, lets every method answer, judges. What stands in the way of it, if so.
 
     Not every setting is a scenario: a lamp stands inside of the target, or what is asked for lies outside of the picture.
     """
     path = job.out / bench.DATASETS / job.run.name
     try:
         bench.render_run(job.suite, job.case, job.run, path, 1, None, bench.silent)
+        bench.bound_run(job.suite, job.case, job.run, path, job.out, bench.silent, job.bound_samples)
         for task in bench.tasks_of(job.suite, job.case, job.run, path, job.out, job.suite.limits):
             answer_and_judge(task)
     except UsageError as error:
         return str(error)
-    if job.bound_frames is not None:
-        bounded(path, job.out, job.run.name, job.bound_frames, job.bound_samples, job.case)
     return None
 
 

@@ -14,7 +14,7 @@ from benchmark.gallery_outlines import outlined, silhouette
 from benchmark.gallery_views import views_of
 from benchmark.gallery_window import Window
 from benchmark.report_pictures import bgr, shown
-from benchmark.study.bounds import bounded
+from benchmark.run_bounds import bounded
 from benchmark.study.outcomes import outcomes
 from benchmark.study.points import Point
 from benchmark.study.search_record import WorstBound

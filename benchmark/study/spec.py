@@ -12,8 +12,7 @@ from benchmark.subjects import Modality
 from benchmark.suite import Method, Note, Suite, called
 from scenes.config import load
 from scenes.config_tree import Table
-from scenes.dataset_range import parse_frames
-from scenes.errors import UsageError, unknown
+from scenes.errors import unknown
 from scenes.scenario import MATERIAL_REFERENCES, REFERENCES, Quality, Scenario
 from scenes.spec import NonNegative, Spec
 
@@ -74,12 +73,13 @@ class Study(Spec):
 
     @model_validator(mode="after")
     def _is_a_suite_at_every_point(self) -> "Study":
-        suite_of(self, (case_of(self, f"p{_BASE}", "", self.scenario),))
+        case = case_of(self, f"p{_BASE}", "", self.scenario)
         if self.bound_frames is not None:
             try:
-                parse_frames(self.bound_frames, len(parse_frames(self.frames, self.scenario.frame_count)))
-            except UsageError as error:
-                raise ValueError(str(error).replace("--frames", "bound_frames")) from None
+                case.bounded(self.bound_frames)
+            except ValueError as error:
+                raise ValueError(str(error).replace("bounds", "bound_frames", 1)) from None
+        suite_of(self, (case,))
         return self
 
     @model_validator(mode="after")
@@ -133,6 +133,7 @@ def suite_of(study: Study, cases: tuple[Case, ...]) -> Suite:
         prior_sigma_px=study.prior_sigma_px,
         quality=study.quality,
         limits=study.limits,
+        bounds=study.bound_frames,
         methods=study.methods,
         cases=cases,
         notes=study.notes,

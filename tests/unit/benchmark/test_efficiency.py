@@ -1,6 +1,6 @@
 """Efficiency on the leaderboard: answers that scatter as their bound says have 1, at twice the spread 1/4; and who has none."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -204,11 +204,14 @@ features = ["wing"]
 def test_a_suite_finds_the_bounds_that_it_asks_for_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[list[int], list[str]]] = []
 
-    def stand_in(dataset: Dataset, frames: list[int], progress: object, *, sensors: list[str], samples: int) -> pd.DataFrame:
+    def stand_in(dataset: Dataset, frames: list[int], sensors: list[str], *_: Any, **__: Any) -> Iterator[list[dict[str, Any]]]:
         asked.append((frames, sensors))
-        return _bounds(dataset, np.diag([1e-8] * 3 + [1e-4] * 3), sensors[0]).iloc[:1]
+        (known, *_) = _bounds(dataset, np.diag([1e-8] * 3 + [1e-4] * 3), sensors[0]).to_dict("records")
+        numbers = {name: value for name, value in known.items() if isinstance(value, float)}
+        yield [known]
+        yield [known | dict.fromkeys(numbers, float("nan")) | {"frame": frames[1]}]  # undetermined
 
-    monkeypatch.setattr(table, "bounds_table", stand_in)
+    monkeypatch.setattr(table, "frame_rows", stand_in)
     (tmp_path / "s.toml").write_text(SUITE)
     for _ in range(2):
         index = bench.bench(load_suite(str(tmp_path / "s.toml")), tmp_path / "out", in_process=True)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmark.study import bounds, run
+from benchmark import run_bounds
+from benchmark.study import run
 from benchmark.study.points import points
 from benchmark.study.spec import Study, load_study
 from scenes.errors import ConfigError, UsageError
@@ -93,11 +94,11 @@ def test_numbers_that_cannot_be_are_named(tmp_path: Path) -> None:
 
 
 def test_bounds_that_nobody_asks_for_any_more_are_forgotten(tmp_path: Path) -> None:
-    (tmp_path / bounds.FOLDER).mkdir()
-    for name in ("one.parquet", "one.sha256", "other.parquet"):
-        (tmp_path / bounds.FOLDER / name).write_text("")
-    bounds.forget(tmp_path, ["one", "never"])
-    assert [path.name for path in (tmp_path / bounds.FOLDER).iterdir()] == ["other.parquet"]
+    (tmp_path / run_bounds.FOLDER).mkdir()
+    for name in ("one.parquet", "other.parquet"):
+        (tmp_path / run_bounds.FOLDER / name).write_text("")
+    run_bounds.forget(tmp_path, ["one", "never"])
+    assert [path.name for path in (tmp_path / run_bounds.FOLDER).iterdir()] == ["other.parquet"]
 
 
 def test_a_study_of_which_nothing_can_be_done_leaves_what_lies_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

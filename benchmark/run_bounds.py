@@ -1,4 +1,4 @@
-"""The information limit of a study's data sets: found once, kept as bounds/<run>.parquet beside what they follow from."""
+"""The information limit of what suites and studies run: found once, kept as bounds/<run>.parquet."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -6,11 +6,10 @@ from pathlib import Path
 import pandas as pd
 
 from benchmark.case import Case
-from benchmark.files import publish
+from benchmark.information import kept
 from benchmark.progress import Progress
 from scenes.dataset import Dataset
 from scenes.dataset_range import parse_frames
-from scenes.provenance import sha256_of_json, software_versions
 
 FOLDER = "bounds"
 
@@ -23,15 +22,9 @@ def bounded(
     ``samples``: of each pixel in each of a bound's renderings.
     """
     there = Dataset.open(dataset)
-    stamp = sha256_of_json([there.identity, frames, samples, sensors_of(case), software_versions()])
-    mark = out / FOLDER / f"{run}.sha256"
-    if mark.is_file() and mark.read_text(encoding="utf-8") == stamp and (out / FOLDER / f"{run}.parquet").is_file():
-        return
-    from benchmark.information.table import bounds_table
-
     chosen = [there.frames[at] for at in parse_frames(frames, len(there.frames))]
-    found = bounds_table(there, chosen, progress, sensors=sensors_of(case), samples=samples)
-    publish(out / FOLDER, {f"{run}.parquet": found.to_parquet(index=False), f"{run}.sha256": stamp.encode()})
+    name = path_of(out, run).name
+    kept.completed(there, out / FOLDER, chosen, sensors_of(case), progress, samples=samples, name=name, alone=True)
 
 
 def path_of(out: Path, run: str) -> Path:
@@ -41,15 +34,14 @@ def path_of(out: Path, run: str) -> Path:
 
 def read(out: Path, run: str) -> pd.DataFrame | None:
     """The bounds of one run, None where none were asked for."""
-    path = out / FOLDER / f"{run}.parquet"
+    path = path_of(out, run)
     return pd.read_parquet(path) if path.is_file() else None
 
 
 def forget(out: Path, runs: Iterable[str]) -> None:
     """Removes bounds that nobody asks for any more, which would be read as if somebody had."""
     for run in runs:
-        for ending in ("parquet", "sha256"):
-            (out / FOLDER / f"{run}.{ending}").unlink(missing_ok=True)
+        path_of(out, run).unlink(missing_ok=True)
 
 
 def sensors_of(case: Case) -> list[str]:
