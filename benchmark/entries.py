@@ -1,19 +1,16 @@
 """One entry of a leaderboard: a method answers a data set and is judged. Several may be made at once, a process each."""
 
-import multiprocessing
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
+from benchmark import processes
 from benchmark.case import CaseRun
 from benchmark.limits import Limits
 from benchmark.progress import Progress
 from benchmark.suite import Method
 from scenes.dataset import Dataset
-from scenes.errors import HardlightError
 
 Stages = Callable[[str], AbstractContextManager[Progress | None]]
 
@@ -54,23 +51,14 @@ def done_here(tasks: Sequence[Task], stages: Stages) -> None:
 
 
 def done_in_processes(tasks: Sequence[Task], workers: int, stages: Stages) -> None:
-    """Makes the entries in fresh processes (what methods load cannot be forked). The first fault ends the rest.
+    """Makes the entries in processes of their own. The first fault ends the rest.
 
     CPU seconds are each process's own, so a table of them means the same as with one process; wall seconds do not.
     """
-    pool = ProcessPoolExecutor(
-        min(workers, max(1, len(tasks))), mp_context=multiprocessing.get_context("spawn"), initializer=_start_worker
-    )
-    try:
-        with stages(f"{len(tasks)} entries, {workers} at a time") as progress:
-            for done, one in enumerate(as_completed([pool.submit(answer_and_judge, task) for task in tasks]), start=1):
-                one.result()
-                if progress is not None:
-                    progress(done, len(tasks))
-    except BrokenProcessPool:
-        raise HardlightError("a worker process died (killed or out of memory); data sets are kept, try --workers 1") from None
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    with stages(f"{len(tasks)} entries, {workers} at a time") as progress:
+        for done, _ in enumerate(processes.done_in_processes(answer_and_judge, tasks, workers, _start_worker), start=1):
+            if progress is not None:
+                progress(done, len(tasks))
 
 
 def answer_and_judge(task: Task, progress: Progress | None = None) -> None:

@@ -1,10 +1,7 @@
 """A study's points, each rendered, answered, judged and bounded by one process: the loop over points."""
 
-import multiprocessing
 import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +9,7 @@ from benchmark import bench, results
 from benchmark.case import Case, CaseRun
 from benchmark.entries import answer_and_judge
 from benchmark.files import publish
+from benchmark.processes import done_in_processes
 from benchmark.progress import Progress
 from benchmark.results import Results
 from benchmark.run_bounds import forget
@@ -19,7 +17,7 @@ from benchmark.study import record
 from benchmark.study.points import Point, points, table
 from benchmark.study.spec import Study, case_of, suite_of
 from benchmark.suite import Suite
-from scenes.errors import HardlightError, UsageError
+from scenes.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,17 +114,8 @@ def _done(jobs: Sequence[Job], workers: int) -> Iterator[tuple[Job, str | None]]
         for job in jobs:
             yield job, do(job)
         return
-    spawn = multiprocessing.get_context("spawn")  # Mitsuba cannot be forked
     threads = max(1, (os.cpu_count() or 1) // workers)
-    pool = ProcessPoolExecutor(min(workers, max(1, len(jobs))), mp_context=spawn, initializer=_start_worker, initargs=(threads,))
-    try:
-        futures: dict[Future[str | None], Job] = {pool.submit(do, job): job for job in jobs}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-    except BrokenProcessPool:
-        raise HardlightError("a worker process died (killed or out of memory); finished points are kept, try --workers 1") from None
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    yield from done_in_processes(do, jobs, workers, _start_worker, (threads,))
 
 
 def _start_worker(threads: int) -> None:
