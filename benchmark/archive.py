@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path, PurePosixPath
 
 from benchmark import ranking, results
@@ -29,7 +29,7 @@ def archive(folder: Path, target: Path) -> Reference:
     or ``DatasetError`` where the results or their data sets are incomplete or do not belong together.
     """
     index, target = results.read(folder), target.absolute()
-    _refuse_other(target, index.title)
+    refuse_other(target, index.title, _KEPT, INDEX, lambda kept: results.read(kept).title)
     _refuse_paths_outside(folder, index)
     datasets = {path: Dataset.open(folder / path) for path in sorted({entry.dataset for entry in index.entries})}
     contents = dict(_files(folder, index, datasets))
@@ -41,7 +41,7 @@ def archive(folder: Path, target: Path) -> Reference:
         datasets={path: ReferenceDataset(identity=one.identity, frames=one.manifest.frame_count) for path, one in datasets.items()},
         files={name: sha256_of_bytes(data) for name, data in sorted(contents.items())},
     )
-    _publish(target, contents | {MANIFEST: readable_json(reference.model_dump()).encode()})
+    publish_whole(target, contents | {MANIFEST: readable_json(reference.model_dump()).encode()})
     return reference
 
 
@@ -90,19 +90,22 @@ def _machines(contents: dict[str, bytes]) -> tuple[MachineRecord, ...]:
     return tuple(dict.fromkeys(RunRecord.model_validate_json(data).machine for data in runs))
 
 
-def _refuse_other(target: Path, title: str) -> None:
-    """Raises ``ResultsConflict`` unless nothing is at ``target``, or what was kept of the same suite and no more."""
+def refuse_other(target: Path, title: str, kept: frozenset[str], index: str, title_of: Callable[[Path], str]) -> None:
+    """Raises ``ResultsConflict`` unless nothing is at ``target``, or what was kept of the same and no more.
+
+    ``kept``: names of files that may lie there; ``index``: the one that has to, from which ``title_of`` reads the title.
+    """
     if not target.exists() and not target.is_symlink():
         return
     if target.is_symlink() or not target.is_dir():
         raise ResultsConflict(f"{target} is there and is no folder; choose another --to")
     files = [path for path in sorted(target.rglob("*")) if path.is_symlink() or not path.is_dir()]
-    strange = next((path for path in files if path.name not in _KEPT or path.is_symlink()), None)
+    strange = next((path for path in files if path.name not in kept or path.is_symlink()), None)
     if strange is not None:
         raise ResultsConflict(f"{target} holds {strange.relative_to(target)}, which is not of an archive; choose another --to")
-    if files and not (target / INDEX).is_file():
-        raise ResultsConflict(f"{target} holds files and no {INDEX}; choose another --to")
-    if files and (there := results.read(target).title) != title:
+    if files and not (target / index).is_file():
+        raise ResultsConflict(f"{target} holds files and no {index}; choose another --to")
+    if files and (there := title_of(target)) != title:
         raise ResultsConflict(f"{target} is the archive of {there!r}, not of {title!r}; choose another --to")
 
 
@@ -123,7 +126,7 @@ def _refuse_other_dataset(folder: Path, entry: Entry, dataset: Dataset) -> None:
             )
 
 
-def _publish(target: Path, contents: dict[str, bytes]) -> None:
+def publish_whole(target: Path, contents: dict[str, bytes]) -> None:
     """The folder beside its name first, then renamed over what was there."""
     beside, before = (target.parent / f".{target.name}.{kind}-{os.getpid()}" for kind in ("partial", "before"))
     try:

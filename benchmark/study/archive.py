@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from benchmark.errors import ResultsConflict
-from benchmark.files import publish
+from benchmark.archive import publish_whole, refuse_other
 from benchmark.report import PAGE
 from benchmark.results import read as read_index
 from benchmark.study import outcomes, record, scores
@@ -27,8 +26,8 @@ def archive(folder: Path, target: Path) -> list[str]:
 
     Raises ``ResultsConflict`` where anything else is there, ``PredictionsError`` where the study is not whole.
     """
-    said, found = record.read(folder), scores.read(folder)
-    _refuse_other(target, said.title)
+    said, found, target = record.read(folder), scores.read(folder), target.absolute()
+    refuse_other(target, said.title, _KEPT, record.FILE, lambda kept: record.read(kept).title)
     paths = {entry.dataset for entry in read_index(folder).entries}
     contents = {
         record.FILE: (folder / record.FILE).read_bytes(),
@@ -38,7 +37,7 @@ def archive(folder: Path, target: Path) -> list[str]:
     }
     if (folder / PAGE).is_file():
         contents[PAGE] = (folder / PAGE).read_bytes()
-    publish(target, contents)
+    publish_whole(target, contents)
     return sorted(contents)
 
 
@@ -70,19 +69,6 @@ def _key(one: Overall | LevelScore) -> tuple[str, ...]:
 
 def _name(one: Overall | LevelScore) -> str:
     return f"{one.method}, {one.label}" if isinstance(one, LevelScore) else f"{one.method}, all points"
-
-
-def _refuse_other(target: Path, title: str) -> None:
-    """Raises ``ResultsConflict`` unless nothing is at ``target``, or what was kept of the same study and no more."""
-    if not target.exists():
-        return
-    if not target.is_dir():
-        raise ResultsConflict(f"{target} is there and is no folder; choose another --to")
-    strange = next((path.name for path in sorted(target.iterdir()) if path.name not in _KEPT), None)
-    if strange is not None:
-        raise ResultsConflict(f"{target} holds {strange}, which is not of a kept study; choose another --to")
-    if any(target.iterdir()) and (there := record.read(target).title) != title:
-        raise ResultsConflict(f"{target} is kept of {there!r}, not of {title!r}; choose another --to")
 
 
 def require_study(kept: Path, again: Path) -> None:
