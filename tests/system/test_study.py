@@ -13,6 +13,7 @@ from benchmark.study.points import points
 from benchmark.study.spec import Study, load_study
 from scenes.dataset import Dataset
 from scenes.errors import ConfigError, UsageError
+from tests.fly_around import FLY_AROUND
 from tests.system.conftest import Ended
 
 STUDY = """
@@ -31,26 +32,11 @@ quality = "draft"
 target = "zhai2014-target"
 key_light = "sun"
 
-[scenario.cameras.nav]
-base = "guppy-f125b"
-width_px = 640
-height_px = 128
-
-[scenario.lights]
-sun = "sun"
-
 # it stands behind the camera and shines away from the target
 [scenario.lights.lamp]
 base = "halogen-1kw"
 position_m = [0.0, 0.0, -50.0]
 aim_m = [0.0, 0.0, -100.0]
-
-[scenario.motion]
-type = "axis-sweep"
-axis = "y"
-start_deg = 20.0
-rate_deg_s = 1.0
-range_m = 100.0
 
 [factors.exposure]
 title = "Exposure"
@@ -65,6 +51,7 @@ unit = "K"
 paths = ["lights.lamp.temperature_k"]
 levels = [2500, 3500]
 """
+STUDY += FLY_AROUND
 
 pytestmark = pytest.mark.slow
 

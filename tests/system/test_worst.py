@@ -17,6 +17,7 @@ from benchmark.study.search_worst import PICTURE
 from benchmark.study.spec import load_study
 from scenes.dataset import Dataset
 from scenes.errors import UsageError
+from tests.fly_around import FLY_AROUND
 
 # ``attitude_xyzw`` is the one frame's truth
 STUDY = """
@@ -44,22 +45,8 @@ frame_count = 1
 quality = "draft"
 target = "zhai2014-target"
 key_light = "sun"
-
-[scenario.cameras.nav]
-base = "guppy-f125b"
-width_px = 640
-height_px = 128
-
-[scenario.lights]
-sun = "sun"
-
-[scenario.motion]
-type = "axis-sweep"
-axis = "y"
-start_deg = 20.0
-rate_deg_s = 1.0
-range_m = 100.0
 """
+STUDY += FLY_AROUND
 TRIALS = 16
 
 pytestmark = pytest.mark.slow

@@ -1,7 +1,8 @@
 """A small data set of a white rectangle that turns, drawn by OpenCV at known poses, and a toy method that finds it."""
 
 import json
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -186,3 +187,16 @@ def judged_entry() -> Callable[..., Entry]:
         return Entry(case="turn", feature="panel", title=title, dataset=str(dataset.path), answers=folder, scores=folder)
 
     return make
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A headless Chromium; tests that want it are skipped where there is none, or no playwright."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if chromium is None:
+        pytest.skip("no Chromium here")
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        yield opened
+        opened.close()

@@ -1,7 +1,6 @@
 """The page in headless Chromium: what can be clicked and typed, what is fetched, who can read it, and words that mean harm."""
 
 import importlib.util
-import shutil
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -15,16 +14,10 @@ from estimators.api import Estimate, Outcome
 from scenes.dataset import Dataset
 from scenes.recording import Observation
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 HOSTILE = "<img src=x onerror='window.broken = 1'>"
 REASON = "</script><script>window.broken = 2</script> & no {{ 7 * 7 }} corner"
 LARGEST = 1_500_000  # bytes of a page of one small case
 SIZES = {"desk": {"width": 1280, "height": 900}, "phone": {"width": 390, "height": 844}}
-
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here"),
-    pytest.mark.skipif(importlib.util.find_spec("playwright") is None, reason="playwright is not installed"),
-]
 
 
 @pytest.fixture(scope="module")
@@ -55,16 +48,6 @@ def page_file(dataset: Dataset, toy: Any, judged_entry: Callable[..., Entry], tm
         Results(title="A turning panel", command="hardlight bench <turn> --out out/turn", cases=(heading,), entries=tuple(entries)),
     )
     return report.write(out)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 @pytest.fixture

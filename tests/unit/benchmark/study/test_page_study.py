@@ -2,8 +2,7 @@
 
 import importlib.util
 import re
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +21,9 @@ from benchmark.study.record import FactorRecord, StudyRecord
 from benchmark.study.telling import telling
 from scenes.dataset import Dataset
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 HOSTILE = "<img src=x onerror='window.broken = 1'>"
 LARGEST = 8_000_000  # bytes
 SIZES = {"desk": {"width": 1280, "height": 900}, "phone": {"width": 390, "height": 844}}
-needs_browser = pytest.mark.skipif(
-    CHROMIUM is None or importlib.util.find_spec("playwright") is None, reason="no Chromium or no playwright here"
-)
 
 
 def _cost(method: str, point: pd.Series, _: int, frame: int) -> float:
@@ -154,17 +149,6 @@ def test_the_page_is_written_beside_results(
     assert not (tmp_path / record.FILE).exists()
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield opened
-        opened.close()
-
-
-@needs_browser
 def test_a_cell_and_the_list_lead_to_a_points_card(browser: Any, page_file: Path) -> None:
     context = browser.new_context(viewport=SIZES["desk"], reduced_motion="reduce")
     shown, said = context.new_page(), list[str]()
@@ -186,7 +170,6 @@ def test_a_cell_and_the_list_lead_to_a_points_card(browser: Any, page_file: Path
     context.close()
 
 
-@needs_browser
 @pytest.mark.parametrize(("size", "theme"), [("desk", "dark"), ("phone", "light")])
 def test_an_audit_of_a_studys_page_finds_nothing(browser: Any, page_file: Path, size: str, theme: str) -> None:
     found = importlib.util.find_spec("axe_playwright_python")

@@ -14,6 +14,7 @@ from benchmark.study.search_proposals import Tried
 from benchmark.study.search_trials import Trials
 from benchmark.study.spec import Study, load_study
 from scenes.errors import UsageError
+from tests.fly_around import FLY_AROUND
 
 STUDY = """
 title = "made up"
@@ -43,22 +44,8 @@ light = "sun"
 frame_count = 2
 quality = "draft"
 target = "zhai2014-target"
-
-[scenario.cameras.nav]
-base = "guppy-f125b"
-width_px = 640
-height_px = 128
-
-[scenario.lights]
-sun = "sun"
-
-[scenario.motion]
-type = "axis-sweep"
-axis = "y"
-start_deg = 20.0
-rate_deg_s = 1.0
-range_m = 100.0
 """
+STUDY += FLY_AROUND
 Frames = Callable[[float], tuple[float, float]]
 """metres → what a frame costs, its bound in rad"""
 
