@@ -1,9 +1,7 @@
-"""How charts look: small enough for a phone, methods told apart by colour, marker and dash, and SVG text cut to what shows."""
+"""How charts look: small enough for a phone, methods told apart by colour, marker and dash."""
 
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from html import escape
 from typing import Any
 
 import matplotlib as mpl
@@ -14,6 +12,7 @@ from matplotlib.transforms import Affine2D, Transform, blended_transform_factory
 
 from benchmark.chart_frames import Quantity
 from benchmark.report_plots import FAINT, INK, MARKERS, SERIES, themed
+from benchmark.svg_text import labelled
 from scenes.arrays import Floats
 
 LOWEST = 1e-3  # no logarithmic axis goes further down; smaller errors are drawn at its foot
@@ -62,7 +61,7 @@ def sign(place: int, prefix: str) -> str:
         axes.plot([0, 0.5, 1], [0, 0, 0], markersize=5, linewidth=1.5, markevery=[1], **look(place))
         axes.set_axis_off()
         axes.set_xlim(-0.02, 1.02)
-        svg = _cut(themed(figure), prefix)
+        svg = themed(figure, prefix)
     return svg.replace('role="img" class="plot"', 'class="sign" aria-hidden="true"', 1)
 
 
@@ -108,7 +107,7 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
 
 def finished(figure: Figure, prefix: str, label: str) -> str:
     """The SVG with a text for readers who cannot see it; ``prefix`` begins its ids and is no other plot's on the page."""
-    return _cut(themed(figure), prefix).replace('role="img"', f'role="img" aria-label="{escape(label)}"', 1)
+    return labelled(themed(figure, prefix), label)
 
 
 def _inches(axes: Axes) -> Transform:
@@ -117,29 +116,3 @@ def _inches(axes: Axes) -> Transform:
     assert figure is not None  # canvas put them there
     left = Affine2D().translate(axes.get_position().x0 * figure.get_figwidth(), 0)
     return blended_transform_factory(left + figure.dpi_scale_trans, axes.transAxes)
-
-
-def _cut(svg: str, prefix: str) -> str:
-    """Ids that are referred to become short and this plot's own, others go; a style that markers share stands once; few digits."""
-    used = dict.fromkeys(re.findall(r'(?:href="|url\()#([\w-]+)', svg))
-    short = {old: f"{prefix}{number}" for number, old in enumerate(used)}
-    svg = re.sub(r' ?\bid="([^"]*)"', lambda at: f' id="{short[at[1]]}"' if at[1] in short else "", svg)
-    svg = re.sub(r'(?:xlink:)?(href="|url\()#([\w-]+)', lambda at: f"{at[1]}#{short[at[2]]}", svg)
-    svg = re.sub(r"\s*\n\s*", " ", svg).replace("> <", "><")
-    svg = re.sub(r"<g[^>]*>(?:<use [^>]*/>)+</g>", _hoisted, svg)
-    svg = re.sub(r"<g>\s*</g>", "", svg)
-    return re.sub(r'="[^"]*"', _digits, svg)
-
-
-def _hoisted(group: re.Match[str]) -> str:
-    text = group[0]
-    styles = set(re.findall(r'<use [^>]*?( style="[^"]*")', text))
-    if len(styles) != 1:
-        return text
-    style = styles.pop()
-    return text.replace(style, "").replace("<g", f"<g{style}", 1)
-
-
-def _digits(value: re.Match[str]) -> str:
-    kept = 1 if len(value[0]) > 300 else 2
-    return re.sub(rf"(\d\.\d{{{kept}}})\d+", r"\1", value[0]).replace(" z ", "z").replace(" L ", "L").replace("M ", "M")

@@ -46,14 +46,18 @@ def figure(estimate: Estimate | None, scale: float = 1.0) -> str:
     return "—" if estimate is None or estimate.value is None else short(scale * estimate.value)
 
 
-def interval(estimate: Estimate | None, scale: float = 1.0) -> str:
-    """``low–high``; ∞ where a bound falls among the frames without an answer; empty where there is none, or no width."""
+def interval(estimate: Estimate | None, scale: float = 1.0, between: str = "–") -> str:
+    """``low–high``; ∞ where a bound falls among the frames without an answer; empty where there is none, or no width.
+
+    A dash before a minus cannot be read: where ``low`` is negative the word stands that a sentence would have.
+    """
     if estimate is None or estimate.low is None or estimate.low == estimate.high:
         return ""
+    joint = " to " if between == "–" and scale * estimate.low < 0.0 else between
     if estimate.high is None:
-        return f"{short(scale * estimate.low)}–∞"
+        return f"{short(scale * estimate.low)}{joint}∞"
     finest = _decimals(scale * estimate.high)
-    return f"{short(scale * estimate.low, finest)}–{short(scale * estimate.high)}"
+    return f"{short(scale * estimate.low, finest)}{joint}{short(scale * estimate.high)}"
 
 
 def ratio(estimate: Estimate | None) -> str:
@@ -61,11 +65,11 @@ def ratio(estimate: Estimate | None) -> str:
     return "—" if estimate is None or estimate.value is None else _tiny(estimate.value)
 
 
-def ratio_interval(estimate: Estimate | None) -> str:
+def ratio_interval(estimate: Estimate | None, between: str = "–") -> str:
     """``low–high`` of an efficiency; empty where there is none, or no width."""
     if estimate is None or estimate.low is None or estimate.high is None or estimate.low == estimate.high:
         return ""
-    return f"{_tiny(estimate.low)}–{_tiny(estimate.high)}"
+    return f"{_tiny(estimate.low)}{between}{_tiny(estimate.high)}"
 
 
 def _tiny(value: float) -> str:

@@ -110,12 +110,12 @@ def _board(division: Division, titles: Sequence[str], told: Mapping[str, str]) -
 
 def _cell(estimate: Estimate | None, scale: float) -> Cell:
     value = None if estimate is None or estimate.value is None else estimate.value
-    return Cell(figure(estimate, scale), interval(estimate, scale).replace("–", " … "), value)
+    return Cell(figure(estimate, scale), interval(estimate, scale, " … "), value)
 
 
 def _ratio(one: Standing) -> Cell:
     value = None if one.efficiency is None else one.efficiency.value
-    return Cell(ratio(one.efficiency), ratio_interval(one.efficiency).replace("–", " … "), value)
+    return Cell(ratio(one.efficiency), ratio_interval(one.efficiency, " … "), value)
 
 
 def _about(division: Division) -> str:
@@ -132,7 +132,7 @@ def _pairs(division: Division) -> list[Pair]:
         turned = places[one.first] > places[one.second] if one.better is None else one.better != one.first
         first, second = (one.second, one.first) if turned else (one.first, one.second)
         charge = one.charge.negative if turned else one.charge
-        pairs.append(Pair(first, second, one.better is None, figure(charge), interval(charge).replace("–", " … ")))
+        pairs.append(Pair(first, second, one.better is None, figure(charge), interval(charge, between=" … ")))
     return sorted(pairs, key=lambda pair: (places[pair.first], places[pair.second]))
 
 

@@ -1,10 +1,8 @@
 """Plots of LIDAR filters as inline SVG: each state's error within ±3σ, honesty of σ over time, the registration of each scan."""
 
-import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from html import escape
 
 import matplotlib as mpl
 import numpy as np
@@ -13,6 +11,7 @@ from matplotlib.figure import Figure
 
 from benchmark.filter_states import STATES, State
 from benchmark.report_plots import FAINT, INK, MARKERS, SERIES, themed
+from benchmark.svg_text import labelled, prefix_of
 from scenes.arrays import Floats
 
 _STATES_IN, _WIDE_IN = (9.4, 7.2), (4.6, 3.0)
@@ -50,7 +49,7 @@ def state_plot(track: StateTrack, salt: str, label: str) -> str:
         _inertia_panel(panels[len(STATES)], track)
         for panel in panels[-2:]:
             panel.set_xlabel("time (s)", color=INK)
-        return _finished(figure, label)
+        return labelled(themed(figure, prefix_of(salt)), label)
 
 
 def honesty_plot(lines: Sequence[Line], bounds: tuple[float, float], salt: str, label: str) -> str:
@@ -64,7 +63,7 @@ def honesty_plot(lines: Sequence[Line], bounds: tuple[float, float], salt: str, 
         _dress(axes, "NEES, mean over seeds")
         _decades(axes)
         axes.set_xlabel("time (s)", color=INK)
-        return _finished(figure, label)
+        return labelled(themed(figure, prefix_of(salt)), label)
 
 
 def registration_plot(attitude: Sequence[Line], position: Sequence[Line], salt: str, label: str) -> str:
@@ -81,7 +80,7 @@ def registration_plot(attitude: Sequence[Line], position: Sequence[Line], salt: 
             _dress(axes, name)
             _decades(axes)
         lower.set_xlabel("time (s)", color=INK)
-        return _finished(figure, label)
+        return labelled(themed(figure, prefix_of(salt)), label)
 
 
 def thinned(time_s: Floats, values: Floats, choose: Callable[..., Floats], most: int = _MOST) -> tuple[Floats, Floats]:
@@ -176,9 +175,3 @@ def _dress(axes: Axes, label: str) -> None:
     for name, spine in axes.spines.items():
         spine.set_visible(name in ("left", "bottom"))
         spine.set_color(FAINT)
-
-
-def _finished(figure: Figure, label: str) -> str:
-    """The SVG with a text for readers who cannot see it, and no more digits than a screen shows."""
-    svg = themed(figure).replace('role="img"', f'role="img" aria-label="{escape(label)}"', 1)
-    return re.sub(r'"[^"]*"', lambda attribute: re.sub(r"(\d\.\d{2})\d+", r"\1", attribute[0]), svg)

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from benchmark.svg_text import labelled, prefix_of, slim
 from scenes.arrays import Bools, Floats
 
 LINEAR_TO_DEG = 1.0  # the error axis is linear up to here and logarithmic beyond
@@ -19,8 +20,6 @@ _BAND = 0.055  # height of one method's row of failures, of the axes' height
 # Colours that stand for CSS variables; matplotlib wants real ones, the SVG text is edited afterwards.
 INK, FAINT = "#010101", "#020202"
 SERIES = tuple(f"#0304{index:02d}" for index in range(len(MARKERS)))
-# Ids that matplotlib gives by kind and number, which are the same in every plot.
-_NAMED = "figure|axes|patch|line2d|matplotlib|text|xtick|ytick|PathCollection|FillBetweenPolyCollection|legend"
 _VARIABLES = {INK: "var(--ink)", FAINT: "var(--rule)"} | {
     colour: f"var(--series-{index})" for index, colour in enumerate(SERIES)
 }
@@ -37,10 +36,10 @@ class Track:
     answered: Bools
 
 
-def error_plot(tracks: Sequence[Track], salt: str) -> str:
+def error_plot(tracks: Sequence[Track], salt: str, label: str) -> str:
     """Error against angle for all methods of one case and feature; unanswered frames are crosses in a band at the foot.
 
-    ``salt`` keeps the element ids of several plots on one page apart.
+    ``salt`` keeps the element ids of several plots on one page apart; ``label`` says to a reader who cannot see it what it is.
     """
     with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": salt, "font.size": 8.5}):
         figure = Figure(figsize=_SIZE_IN, layout="constrained")
@@ -52,7 +51,7 @@ def error_plot(tracks: Sequence[Track], salt: str) -> str:
         _dress(axes, _limit(tracks), rows=len(failing))
         for row, track in enumerate(failing):
             _mark_failures(axes, track, row)
-        return themed(figure)
+        return labelled(themed(figure, prefix_of(salt)), label)
 
 
 def _limit(tracks: Sequence[Track]) -> float:
@@ -104,16 +103,15 @@ def _dress(axes: Axes, limit_deg: float, rows: int) -> None:
         spine.set_color(FAINT)
 
 
-def themed(figure: Figure) -> str:
-    """The SVG element alone, transparent, with CSS variables for colours and ids that are this plot's own."""
+def themed(figure: Figure, prefix: str) -> str:
+    """The SVG element alone, transparent, with CSS variables for colours; ``prefix`` begins its ids and is no other plot's."""
     text = io.StringIO()
     figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r'<svg [^>]*?viewBox="([^"]+)"[^>]*>', r'<svg viewBox="\1" role="img" class="plot">', svg, count=1)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    svg = re.sub(rf'id="({_NAMED})[^"]*"', "", svg)
     svg = re.sub(r"font: ([0-9.]+)px [^;\"]*", r"font-size: \1px", svg)
     for colour, variable in _VARIABLES.items():
         svg = svg.replace(colour, variable)
-    return svg
+    return slim(svg, prefix)

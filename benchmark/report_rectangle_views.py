@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 
 import pandas as pd
@@ -76,8 +75,7 @@ def _plot(entries: Sequence[EntryView], swept: str | None, salt: str) -> str:
         )
         for entry in entries
     ]
-    label = escape(f"{salt}: error against angle for {len(tracks)} methods")
-    return error_plot(tracks, salt).replace('role="img"', f'role="img" aria-label="{label}"', 1)
+    return error_plot(tracks, salt, f"{salt}: error against angle for {len(tracks)} methods")
 
 
 def _pictures(dataset: Dataset, row: Row, answers: Predictions, scores: pd.DataFrame) -> Iterator[Picture]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
 import matplotlib as mpl
 import numpy as np
@@ -11,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from benchmark.report_plots import FAINT, INK, MARKERS, SERIES, themed
+from benchmark.svg_text import labelled, prefix_of
 from scenes.arrays import Bools, Floats
 
 LINEAR_TO_MM = 1.0  # the position axis is linear up to here and logarithmic beyond
@@ -52,7 +52,7 @@ def ring_plot(tracks: Sequence[RingTrack], salt: str, label: str) -> str:
             _mark_failures(lower, track, row)
         lower.set_xlabel("frame", color=INK)
         lower.xaxis.set_major_locator(MaxNLocator(integer=True))
-        return themed(figure).replace('role="img"', f'role="img" aria-label="{escape(label)}"', 1)
+        return labelled(themed(figure, prefix_of(salt)), label)
 
 
 def _draw(axes: Axes, track: RingTrack, values: Floats) -> None:

@@ -81,4 +81,4 @@ def _rows(ranked: list[Attribution], layer: str) -> Iterator[tuple[str, ...]]:
     yield "method", "points", "rank correlation", "95 % interval"
     for one in ranked:
         rho = one.correlations[layer]
-        yield one.method, str(one.points), minus(figure(rho)), minus(interval(rho).replace("–", " to "))
+        yield one.method, str(one.points), minus(figure(rho)), minus(interval(rho, between=" to "))

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 
 from benchmark.chart_group import Chart, ChartGroup, Sign
 from benchmark.chart_style import canvas, dress, finished, look, sign
+from benchmark.leaderboard import minus
 from benchmark.ranking_cells import figure, interval
 from benchmark.ranking_record import Estimate
 from benchmark.report_plots import INK
@@ -81,4 +82,4 @@ def _rows(found: list[Sensitivity], titles: dict[str, str]) -> Iterator[tuple[st
     for one in found:
         for index in one.indices or ():
             parts = (text for each in (index.first, index.total) for text in (figure(each, 100), interval(each, 100)))
-            yield titles[index.factor], one.method, *parts
+            yield titles[index.factor], one.method, *map(minus, parts)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from benchmark.methods import source_digest
+from benchmark.study.collisions import lost
 from benchmark.study.search_proposals import Axis, Sampler
 from benchmark.study.spec import Study
 from benchmark.subjects import Modality
@@ -46,6 +47,8 @@ def narrowed(study: Study, method: str, modality: Modality | None, avoid_dark: b
         if one.modality not in (None, modality):
             raise UsageError(f"--modality {modality}: {method} is a method for {one.modality}")
         one = one.model_copy(update={"modality": modality})
+    if study.design == "one-at-a-time" and (faults := lost(study.factors, study.scenario.model_dump(mode="json"))):
+        raise UsageError(f"a search combines the factors that the study takes one at a time: {'; '.join(faults)}")
     alone = {"methods": {method: one}, "references": {}, "frozen": {}}
     design = "sphere" if study.design == "sphere" else "factorial"  # what is tried is no Sobol design
     bounds = (study.bound_frames or "0") if avoid_dark else None

@@ -29,6 +29,7 @@ def test_numbers_are_short(value: float, text: str) -> None:
         (Estimate(value=None, low=80.0, high=None), "—", "80.0–∞"),
         (Estimate(value=None), "—", ""),
         (Estimate(value=1.0, low=1.0, high=1.0), "1.00", ""),
+        (Estimate(value=-30.0, low=-42.5, high=-16.4), "-30.0", "-42.5 to -16.4"),
         (None, "—", ""),
     ],
 )

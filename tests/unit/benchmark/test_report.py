@@ -137,16 +137,16 @@ def test_plots_are_themed_and_have_ids_of_their_own(page: str) -> None:
 def test_two_plots_on_one_page_do_not_share_ids() -> None:
     angles = np.linspace(-20, 20, 11)
     track = Track("a", 0, angles, np.sin(angles), np.arange(11) > 2)
-    one, two = (error_plot([track], salt) for salt in ("in-plane-wing", "in-plane-span"))
+    one, two = (error_plot([track], salt, "errors") for salt in ("in-plane-wing", "in-plane-span"))
     assert not set(re.findall(r'\bid="([^"]+)"', one)) & set(re.findall(r'\bid="([^"]+)"', two))
-    assert error_plot([track], "in-plane-wing") == one
+    assert error_plot([track], "in-plane-wing", "errors") == one
 
 
 def test_each_failure_is_a_cross_in_the_plot() -> None:
     angles = np.linspace(-20, 20, 11)
-    all_answered = error_plot([Track("a", 0, angles, np.zeros(11), np.ones(11, dtype=bool))], "s")
-    failing = error_plot([Track("a", 0, angles, np.zeros(11), np.arange(11) >= 4)], "s")
-    none = error_plot([Track("a", 0, angles, np.full(11, np.nan), np.zeros(11, dtype=bool))], "s")
+    all_answered = error_plot([Track("a", 0, angles, np.zeros(11), np.ones(11, dtype=bool))], "s", "errors")
+    failing = error_plot([Track("a", 0, angles, np.zeros(11), np.arange(11) >= 4)], "s", "errors")
+    none = error_plot([Track("a", 0, angles, np.full(11, np.nan), np.zeros(11, dtype=bool))], "s", "errors")
     assert ">none<" not in all_answered
     assert failing.count("<use ") == all_answered.count("<use ")  # 7 circles and 4 crosses against 11 circles
     assert ">none<" in failing

@@ -7,6 +7,7 @@ import pytest
 from benchmark import run_bounds
 from benchmark.study import run
 from benchmark.study.points import points
+from benchmark.study.search_hunt import narrowed
 from benchmark.study.spec import Study, load_study
 from scenes.errors import ConfigError, UsageError
 
@@ -74,7 +75,10 @@ def test_a_factor_that_a_later_one_replaces_is_refused_where_they_are_combined(t
     for design in ("factorial", "sobol"):
         with pytest.raises(ConfigError, match=r"factors.far: it replaces what factors.near"):
             study_of(tmp_path, both, design)
-    assert len(points(study_of(tmp_path, both, "one-at-a-time"))) == 5
+    apart = study_of(tmp_path, both, "one-at-a-time")
+    assert len(points(apart)) == 5
+    with pytest.raises(UsageError, match=r"a search combines .* one at a time: factors.far: it replaces what factors.near"):
+        narrowed(apart, next(iter(apart.methods)), None, avoid_dark=False)
     assert len({one.name for one in points(study_of(tmp_path, a_range("near") + a_range("times", "times", "[1, 2]")))}) == 4
     with pytest.raises(ConfigError, match=r"factors.near: it replaces"):
         study_of(tmp_path, a_range("times", "times", "[1, 2]") + a_range("near"))
