@@ -1,13 +1,12 @@
 """Jobs in processes of their own, several at a time: fresh ones, since what renderers and methods load cannot be forked."""
 
 import multiprocessing
-import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from typing import Any, TypeVar
 
+from renderer.worker import interrupts_held
 from scenes.errors import HardlightError
 
 Job = TypeVar("Job")
@@ -24,7 +23,7 @@ def done_in_processes(
     spawn = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(min(workers, max(1, len(jobs))), mp_context=spawn, initializer=start, initargs=arguments)
     try:
-        with _interrupts_held():  # the first job that is handed in starts the processes
+        with interrupts_held():  # the first job that is handed in starts the processes
             futures: dict[Future[Outcome], Job] = {pool.submit(work, job): job for job in jobs}
         for future in as_completed(futures):
             yield futures[future], future.result()
@@ -32,13 +31,3 @@ def done_in_processes(
         raise HardlightError("a worker process died (killed or out of memory); what is finished is kept, try --workers 1") from None
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
-
-
-@contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C reaches this process afterwards, and those that it starts meanwhile never, not even while they still import."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

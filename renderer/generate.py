@@ -192,7 +192,9 @@ def _in_processes(job: _Job, frames: Sequence[int], workers: int) -> Iterator[in
     spawn = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(min(workers, len(frames)), mp_context=spawn, initializer=_start_worker, initargs=(job,))
     try:
-        for done in as_completed([pool.submit(_work, frame) for frame in frames]):
+        with worker.interrupts_held():  # the first frame that is handed in starts the processes
+            asked = [pool.submit(_work, frame) for frame in frames]
+        for done in as_completed(asked):
             yield done.result()
     except BrokenProcessPool:
         raise HardlightError(
