@@ -99,13 +99,21 @@ def _pictures(dataset: Dataset, frame: int, width_px: int) -> Iterator[Glimpse]:
 
 def _lines(frames: pd.DataFrame) -> Iterator[Line]:
     for (modality, method), mine in frames.groupby(["modality", "method"], sort=False):
-        right, known = mine[mine["right"]], mine["bound_rotation_rad"].dropna()
-        bound = "not asked for" if not mine["bound_asked"].any() else "undetermined"
+        right = mine[mine["right"]]
         yield Line(
             modality=NAMES[str(modality)],
             method=str(method),
             right=f"{len(right)} of {len(mine)}",
             error=f"{short(float(right['geodesic_deg'].median()))}°" if len(right) else "—",
-            bound=f"{short(float(np.degrees(known.median())))}°" if len(known) else bound,
+            bound=_bound(mine),
             charge=short(1000 * float(mine["charge"].mean())),
         )
+
+
+def _bound(frames: pd.DataFrame) -> str:
+    """The median over the frames that were asked about; one whose pose is undetermined is above all others."""
+    asked = frames.loc[frames["bound_asked"].astype(bool), "bound_rotation_rad"].fillna(np.inf)
+    if not len(asked):
+        return "not asked for"
+    median = float(asked.median())
+    return f"{short(float(np.degrees(median)))}°" if np.isfinite(median) else "undetermined"

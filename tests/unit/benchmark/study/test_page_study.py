@@ -16,7 +16,7 @@ from benchmark.results import CaseHeading, Entry, Results
 from benchmark.study import page, record
 from benchmark.study.attribution import LAYERS
 from benchmark.study.outcomes import Outcomes
-from benchmark.study.page_points import glimpses
+from benchmark.study.page_points import cards, glimpses
 from benchmark.study.record import FactorRecord, StudyRecord
 from benchmark.study.telling import telling
 from scenes.dataset import Dataset
@@ -136,6 +136,9 @@ def test_telling_frames_come_with_their_pictures_and_figures(
     assert (lost.heading, lost.frame) == ("One camera: nobody could have known", 4)
     assert lost.bound.startswith("undetermined")
     assert list(telling(tmp_path / "elsewhere", found)) == []
+    mostly = Outcomes(found.record, points, frames.assign(bound_rotation_rad=np.where(frames["frame"] < 3, np.nan, sigma)))
+    (known,), (unknown,) = (cards(tmp_path, one) for one in (found, mostly))
+    assert (known.lines[0].bound, unknown.lines[0].bound) == ("0.201°", "undetermined")
 
 
 def test_the_page_is_written_beside_results(
