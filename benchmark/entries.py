@@ -56,7 +56,7 @@ def done_in_processes(tasks: Sequence[Task], workers: int, stages: Stages) -> No
     CPU seconds are each process's own, so a table of them means the same as with one process; wall seconds do not.
     """
     with stages(f"{len(tasks)} entries, {workers} at a time") as progress:
-        for done, _ in enumerate(processes.done_in_processes(answer_and_judge, tasks, workers, _start_worker), start=1):
+        for done, _ in enumerate(processes.done_in_processes(answer_and_judge, tasks, workers), start=1):
             if progress is not None:
                 progress(done, len(tasks))
 
@@ -95,9 +95,3 @@ def answer_and_judge(task: Task, progress: Progress | None = None) -> None:
         bounds = None if task.bounds is None else pd.read_parquet(task.bounds)
         judge.write(task.folder, judge.judge(given, dataset, task.settle_s, bounds))
         freshness.mark_judged(task.folder, dataset, task.settle_s, task.bounds)
-
-
-def _start_worker() -> None:
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle

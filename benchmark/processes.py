@@ -6,7 +6,7 @@ from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from renderer.worker import interrupts_held
+from renderer.worker import belong, interrupts_held
 from scenes.errors import HardlightError
 
 Job = TypeVar("Job")
@@ -14,9 +14,13 @@ Outcome = TypeVar("Outcome")
 
 
 def done_in_processes(
-    work: Callable[[Job], Outcome], jobs: Sequence[Job], workers: int, start: Callable[..., None], arguments: tuple[Any, ...] = ()
+    work: Callable[[Job], Outcome],
+    jobs: Sequence[Job],
+    workers: int,
+    start: Callable[..., None] = belong,
+    arguments: tuple[Any, ...] = (),
 ) -> Iterator[tuple[Job, Outcome]]:
-    """Every job with what ``work`` makes of it, as they end; ``start(*arguments)`` readies a process.
+    """Every job with what ``work`` makes of it, as they end; ``start(*arguments)`` readies a process, which belongs to this one.
 
     The first error that ``work`` raises ends the rest. Raises ``HardlightError`` where a process dies.
     """

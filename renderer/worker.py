@@ -1,15 +1,26 @@
-"""A process that renders beside others: it leaves Ctrl-C to its parent and keeps to its share of the cores."""
+"""Processes that work beside others: they leave Ctrl-C to their parent, end when it does, and keep to their share of the cores."""
 
+import multiprocessing
+import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing.process import BaseProcess
+from threading import Thread
+
+
+def belong() -> None:
+    """Makes this process its parent's: Ctrl-C is the parent's to handle, and where the parent is killed, this one ends too."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if (parent := multiprocessing.parent_process()) is not None:
+        Thread(target=_end_after, args=(parent,), daemon=True).start()
 
 
 def start(threads: int) -> None:
-    """Readies this process; before anything is rendered in it."""
+    """Readies this process to render, before anything is rendered in it."""
     from renderer.variant import activate
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    belong()
     activate()
     import drjit as dr
 
@@ -24,3 +35,9 @@ def interrupts_held() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_after(parent: BaseProcess) -> None:
+    """At once: what is half done is in no file that counts, and the queue of jobs would be waited for in vain."""
+    parent.join()
+    os._exit(1)
