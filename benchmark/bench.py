@@ -96,19 +96,15 @@ def render_run(
         )
 
 
-def bound_run(
-    suite: Suite, case: Case, run: CaseRun, path: Path, out: Path, stages: Stages, samples: int | None = None
-) -> None:
-    """The information limit of the frames that the suite, or the case, names; found once, kept in ``out``.
-
-    ``samples``: of each pixel in each rendering; as many as ``hardlight bound`` takes where left out.
-    """
+def bound_run(suite: Suite, case: Case, run: CaseRun, path: Path, out: Path, stages: Stages) -> None:
+    """The information limit of the frames that the suite, or the case, names; found once, kept in ``out``."""
     frames = case.bounds or suite.bounds
     if frames is not None:
         from benchmark.information.pictures import SAMPLES
 
+        samples = case.bound_samples or suite.bound_samples or SAMPLES
         with stages(f"bound {run.name}: {len(case.bounded(frames))} frames") as progress:
-            run_bounds.bounded(path, out, run.name, frames, samples or SAMPLES, case, progress)
+            run_bounds.bounded(path, out, run.name, frames, samples, case, progress)
 
 
 def refuse_unknown_methods(suite: Suite) -> None:

@@ -16,6 +16,7 @@ from scenes.spec import NonNegative, Spec
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9-]*$", max_length=64)]  # becomes a folder's name
 Seed = Annotated[int, Field(ge=0)]
 SeedCount = Annotated[int, Field(ge=1, le=1000)]
+BoundSamples = Annotated[int, Field(ge=4, le=4096)]  # of a pixel in each rendering for its information
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +32,10 @@ class Case(Spec):
     """One data set: a scenario and its frames; which features and which LIDAR are asked for, by which methods (none named: all).
 
     The frames of the first ``settle_s`` seconds are answered but not judged: a filter needs time that a frame-by-frame
-    method does not. ``quality``, ``prior_sigma_px``, ``limits`` and ``bounds`` go before the suite's own. A circle is measured by
-    the stereo rig ``rig``, which needs no name where the scenario has one. Instead of features a case may ask for what ``lidar``
-    measures, which needs no name where the scenario has nothing else. ``seeds``, a list or how many from 0, makes a data set of
-    each.
+    method does not. ``quality``, ``prior_sigma_px``, ``limits``, ``bounds`` and ``bound_samples`` go before the suite's own. A
+    circle is measured by the stereo rig ``rig``, which needs no name where the scenario has one. Instead of features a case may
+    ask for what ``lidar`` measures, which needs no name where the scenario has nothing else. ``seeds``, a list or how many from 0,
+    makes a data set of each.
     """
 
     name: Name
@@ -48,6 +49,7 @@ class Case(Spec):
     prior_sigma_px: NonNegative | None = None
     limits: Limits | None = None
     bounds: str | None = None
+    bound_samples: BoundSamples | None = None
     rig: str | None = None
     lidar: str | None = None
     features: tuple[str, ...] = ()

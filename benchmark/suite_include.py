@@ -55,6 +55,7 @@ def _ruled(part: "Suite") -> "Suite":
                 "prior_sigma_px": part.prior_sigma_px if case.prior_sigma_px is None else case.prior_sigma_px,
                 "limits": case.limits or part.limits,
                 "bounds": case.bounds or part.bounds,
+                "bound_samples": case.bound_samples or part.bound_samples,
                 "methods": case.methods or tuple(part.methods),
             }
         )

@@ -22,13 +22,12 @@ from scenes.errors import UsageError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """One data set of one point, and all that is done with it. ``bound_samples``: see ``Study``."""
+    """One data set of one point, and all that is done with it."""
 
     suite: Suite
     case: Case
     run: CaseRun
     out: Path
-    bound_samples: int
 
 
 def study(study: Study, out: Path, *, workers: int = 1, progress: Progress | None = None, command: str = "") -> Results:
@@ -66,7 +65,7 @@ def _points_done(
     suite = suite_of(study, cases)
     bench.refuse_unknown_methods(suite)
     alone = {case.name: suite.model_copy(update={"cases": (case,)}) for case in cases}
-    jobs = [Job(alone[case.name], case, run, out, study.bound_samples) for case in cases for run in case.runs]
+    jobs = [Job(alone[case.name], case, run, out) for case in cases for run in case.runs]
     refused: dict[str, str] = {}
     for done, (job, fault) in enumerate(_done(jobs, workers), start=1):
         if fault is not None:
@@ -84,7 +83,7 @@ def do(job: Job) -> str | None:
     path = job.out / bench.DATASETS / job.run.name
     try:
         bench.render_run(job.suite, job.case, job.run, path, 1, None, bench.silent)
-        bench.bound_run(job.suite, job.case, job.run, path, job.out, bench.silent, job.bound_samples)
+        bench.bound_run(job.suite, job.case, job.run, path, job.out, bench.silent)
         for task in bench.tasks_of(job.suite, job.case, job.run, path, job.out, job.suite.limits):
             answer_and_judge(task)
     except UsageError as error:

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
 
-from benchmark.case import Case, Name, Seed, SeedCount
+from benchmark.case import BoundSamples, Case, Name, Seed, SeedCount
 from benchmark.limits import Limits
 from benchmark.study.collisions import columns_twice, lost
 from benchmark.study.factor import Factor, refused
@@ -52,7 +52,7 @@ class Study(Spec):
     methods: Annotated[dict[Name, Method], Field(min_length=1)]
     factors: Annotated[dict[FactorName, Factor], Field(min_length=1)]
     bound_frames: str | None = None
-    bound_samples: Annotated[int, Field(ge=4, le=4096)] = 16
+    bound_samples: BoundSamples = 16
     references: dict[Modality, str] = Field(default_factory=dict)
     frozen: dict[Modality, dict[str, float]] = Field(default_factory=dict)
     notes: tuple[Note, ...] = ()
@@ -134,6 +134,7 @@ def suite_of(study: Study, cases: tuple[Case, ...]) -> Suite:
         quality=study.quality,
         limits=study.limits,
         bounds=study.bound_frames,
+        bound_samples=study.bound_samples,
         methods=study.methods,
         cases=cases,
         notes=study.notes,

@@ -17,6 +17,8 @@ description = "the first"
 prior_sigma_px = 1.0
 quality = "fast"
 limits = { step_timeout_s = 5.0 }
+bounds = "3"
+bound_samples = 16
 [methods.ours]
 estimator = "mono-rectangle"
 [methods.second]
@@ -40,6 +42,7 @@ TWO = (
     ONE.replace('"fast"', '"draft"')
     .replace("1.0\nquality", "2.0\nquality")
     .replace("0:10", "0:12")
+    .replace("bound_samples = 16", "bound_samples = 32")
     .replace("[methods.second]", "[methods.third]")
 )
 
@@ -97,6 +100,7 @@ def test_cases_of_one_name_are_told_apart_by_their_suites_and_keep_its_rules(tmp
     assert [(case.name, len(case.selected)) for case in suite.cases] == [("one-turn", 10), ("two-turn", 12)]
     assert [(case.quality, case.prior_sigma_px) for case in suite.cases] == [("fast", 1.0), ("draft", 2.0)]
     assert [case.limits.step_timeout_s for case in suite.cases if case.limits] == [5.0, 5.0]
+    assert [(case.bounds, case.bound_samples) for case in suite.cases] == [("3", 16), ("3", 32)]
     assert [list(suite.methods_of(case)) for case in suite.cases] == [["ours", "second"], ["ours", "third"]]
     assert [one.case for one in suite.published] == ["one-turn", "two-turn"]
     assert len(suite.notes) == 1  # the same note twice is one
