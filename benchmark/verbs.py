@@ -188,6 +188,7 @@ def bench(suite: str, out: Path, workers: int, quality: str | None, in_process: 
     from benchmark import bench as benching
     from benchmark.made_by import command, named
     from benchmark.suite import load_suite
+    from benchmark.unstarted import unstarted
 
     loaded, preset = load_suite(suite), _preset(quality)
     _warn_if_slow(console)
@@ -197,6 +198,8 @@ def bench(suite: str, out: Path, workers: int, quality: str | None, in_process: 
     )
     _rank(out, index, console)
     _print_table(out, index, console)
+    for sentence in unstarted(out, index):
+        console.note(sentence)
     _report_anew(out, index, console)
 
 

@@ -34,13 +34,16 @@ def _run(study: "Study", name: str, out: Path, workers: int, console: Console) -
     from benchmark.study.outcomes import outcomes
     from benchmark.study.run import study as run
     from benchmark.study.score_cells import tables
+    from benchmark.unstarted import unstarted
 
     asked = command("study", named(name), "--out", out)
     with console.stage(f"study {study.name}") as progress:
-        run(study, out, workers=workers, progress=progress, command=asked)
+        index = run(study, out, workers=workers, progress=progress, command=asked)
     found = outcomes(out)
     for point, reason in found.record.refused.items():
         console.note(f"left out: {point}: {reason}")
+    for sentence in unstarted(out, index):
+        console.note(sentence)
     scored = scores.study_scores(found)
     scores.write(out, scored)
     for title, rows in tables(scored):
