@@ -37,7 +37,8 @@ def sensitivities(panel: Panel, factors: Sequence[Dimensioned], points: Sequence
 
 
 def indices(factors: Sequence[Dimensioned], output: Floats, seed: int) -> tuple[Index, ...] | None:
-    """First-order and total indices (Saltelli et al. 2010) of ``output`` (samples · (factors + 2),); None where it does not vary.
+    """First-order and total indices (Saltelli et al. 2010) of ``output`` (samples · (factors + 2),); None where that does not
+    vary among the independent points.
 
     The variance is that of the two independent samples of each block, which are its first and its last row.
     """
@@ -73,10 +74,19 @@ def _sensitivity(
     values = (panel.charge if output == "charge" else panel.right)[:, :, method].mean(axis=0)
     found = indices(factors, values[rows], seed) if samples >= _FEWEST else None
     if found is None and not lacking:
-        lacking = "it does not vary" if samples >= _FEWEST else f"{samples} whole samples are too few"
+        lacking = _lack(values[rows], samples)
     return Sensitivity(
         modality=panel.modality, method=panel.methods[method], output=output, samples=samples, indices=found, lacking=lacking
     )
+
+
+def _lack(output: Floats, samples: int) -> str:
+    """Why there are no indices of ``output`` (samples · (factors + 2),)."""
+    if samples < _FEWEST:
+        return f"{samples} whole samples are too few"
+    if np.ptp(output) <= _ROUNDING * np.abs(output).max():
+        return "it does not vary"
+    return f"it varies too rarely: the {2 * samples} independent points are all alike"
 
 
 def _estimate(found: dict[str, Floats], name: str, place: int) -> Estimate:

@@ -131,6 +131,8 @@ def test_what_varies_in_a_mixed_row_alone_is_no_variance() -> None:
     output = np.zeros(5 * 8)
     output[7] = 1.0
     assert indices(_numbers(), output, 0) is None
+    odd = _of(_study(_numbers(), 16, lambda unit: 0.1 + 0.1 * (np.arange(len(unit)) == 7)), "charge")
+    assert odd.lacking == "it varies too rarely: the 32 independent points are all alike"
 
 
 def test_a_sample_that_misses_a_point_is_left_out_whole() -> None:
