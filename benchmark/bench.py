@@ -100,9 +100,7 @@ def bound_run(suite: Suite, case: Case, run: CaseRun, path: Path, out: Path, sta
     """The information limit of the frames that the suite, or the case, names; found once, kept in ``out``."""
     frames = case.bounds or suite.bounds
     if frames is not None:
-        from benchmark.information.pictures import SAMPLES
-
-        samples = case.bound_samples or suite.bound_samples or SAMPLES
+        samples = case.bound_samples or suite.bound_samples
         with stages(f"bound {run.name}: {len(case.bounded(frames))} frames") as progress:
             run_bounds.bounded(path, out, run.name, frames, samples, case, progress)
 

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
 
 from benchmark.case import BoundSamples, Case, CaseRun, Name
+from benchmark.information import SAMPLES
 from benchmark.limits import Limits
 from benchmark.published import Published, PublishedFilter, PublishedRing
 from benchmark.subjects import MEASURES, Modality, Subject
@@ -66,8 +67,7 @@ class Suite(Spec):
     """A leaderboard's rules. ``limits``: what a method may cost on one data set before it is stopped.
 
     ``bounds``: of which of a case's frames, START:STOP:STEP by their place in it, the information limit is found, so that methods
-    have an efficiency; of none where left out. ``bound_samples``: of a pixel in each rendering for it; left out, as many as
-    ``hardlight bound`` takes.
+    have an efficiency; of none where left out. ``bound_samples``: of a pixel in each rendering for it.
 
     ``include`` names other suites, whose methods, cases, published figures and notes come before its own; each of their cases keeps
     its suite's quality, prior and limits. It is empty in what is validated: what was included is there (``suite_include``).
@@ -80,7 +80,7 @@ class Suite(Spec):
     quality: Quality | None = None
     limits: Limits = Limits()
     bounds: str | None = None
-    bound_samples: BoundSamples | None = None
+    bound_samples: BoundSamples = SAMPLES
     methods: dict[Name, Method] = Field(default_factory=dict)
     cases: tuple[Case, ...] = ()
     published: tuple[Published, ...] = ()

@@ -13,9 +13,9 @@ T = TypeVar("T")
 def merged(suite: "Suite") -> "Suite":
     """``suite`` with what it includes in front of its own, nothing of it checked again.
 
-    A case keeps quality, prior, limits, bounds and methods of the suite that it comes from. Cases of one name are told apart by
-    their suites' names in front, and are one where they are equal in everything. Raises ``ValueError`` where a method's name means
-    two things.
+    A case keeps prior, limits and methods of the suite that it comes from, quality and bounds where that says any. Cases of one
+    name are told apart by their suites' names in front, and are one where they are equal in everything. Raises ``ValueError`` where
+    a method's name means two things.
     """
     parts = [one for one in (*suite.include, suite.model_copy(update={"include": ()})) if one.cases or one.methods]
     methods = _methods(parts)

@@ -19,7 +19,7 @@ def bound(
 
     With ``answers`` it also prints their efficiency.
     """
-    from benchmark.information import kept, pictures
+    from benchmark.information import SAMPLES, kept
     from benchmark.information.table import sensors_of
     from scenes.dataset import Dataset
     from scenes.dataset_range import parse_frames
@@ -28,7 +28,7 @@ def bound(
     chosen = dataset.frames if frames is None else [dataset.frames[at] for at in parse_frames(frames, len(dataset.frames))]
     with console.stage(f"bound {len(chosen)} frames") as progress:
         table = kept.completed(
-            dataset, folder, chosen, sensors_of(dataset), progress, samples=pictures.SAMPLES, light_direction=light_direction
+            dataset, folder, chosen, sensors_of(dataset), progress, samples=SAMPLES, light_direction=light_direction
         )
     console.table("the bound: medians over the frames", [_cells(str(sensor), mine) for sensor, mine in table.groupby("sensor")])
     if answers is not None:

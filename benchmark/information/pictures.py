@@ -1,17 +1,19 @@
 """The bound on the pose from one picture: differences of its noise-free signal, weighted with what a digital number tells."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from benchmark.information import SAMPLES
 from benchmark.information.digital import DigitalInformation, digital_information
 from benchmark.information.fisher import Bound, bound, information, without_nuisance
 from scenes.arrays import Floats
 from scenes.scenario import Scenario
 
 STEP_PX = 0.15  # largest motion in the picture of one half of a difference
-SAMPLES = 64
+FINER = 4  # times as many samples where the rendering's noise may be what hides the pose
 _SEEDS = (0x1F0A, 0x1F0B)  # of two renderings that share nothing; neither is a data set's own
 
 
@@ -34,11 +36,15 @@ class PictureInformation:
     """One camera of a scenario."""
 
     def __init__(self, scenario: Scenario, sensor: str, samples: int = SAMPLES, light_direction: bool = False) -> None:
-        """Loads the target; a frame then costs 24 pictures, and 8 more with ``light_direction``."""
+        """Loads the target; a frame then costs 24 pictures, and 8 more with ``light_direction``.
+
+        A frame whose pose comes out as undetermined, though something is lit, is rendered once more with ``FINER`` times as many.
+        """
         from renderer.neighbours import Neighbours
 
         self._light_direction = light_direction
         self._neighbours: Any = Neighbours(scenario, sensor, samples)
+        self._finer = partial(PictureInformation, scenario, sensor, FINER * samples, light_direction)
         self._detector = scenario.sensors[sensor].detector
         self._tables: dict[float, DigitalInformation] = {}
 
@@ -69,6 +75,10 @@ class PictureInformation:
 
     def bounds(self, frame: int, exposure_s: float) -> "PictureBounds":
         """The bound of one frame and its variants."""
+        found = self._bounds(frame, exposure_s)
+        return self._finer()._bounds(frame, exposure_s) if found.may_be_hidden else found
+
+    def _bounds(self, frame: int, exposure_s: float) -> "PictureBounds":
         found = self.derivatives(frame, exposure_s)
         return bounds_of(found, self.weight(found, exposure_s))
 
@@ -89,6 +99,12 @@ class PictureBounds:
     model_5: Bound
     inflation: float
     light_direction: Bound | None = None
+    is_lit: bool = True
+
+    @property
+    def may_be_hidden(self) -> bool:
+        """Whether the pose is undetermined in a picture that shows something: noise of the rendering can do that, too."""
+        return self.is_lit and not self.known.is_determined
 
 
 def bounds_of(found: Derivatives, weight: Floats) -> PictureBounds:
@@ -109,6 +125,7 @@ def bounds_of(found: Derivatives, weight: Floats) -> PictureBounds:
         model_5=bound(information(vague, found.first, found.second)),
         inflation=inflation,
         light_direction=None if found.light is None else _unknown(found, weight, *found.light),
+        is_lit=lit,
     )
 
 

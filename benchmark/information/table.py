@@ -7,9 +7,10 @@ import numpy as np
 import pandas as pd
 
 from benchmark.filter_truth import scan_pose
+from benchmark.information import SAMPLES
 from benchmark.information.columns import UPPER, columns_of, informations
 from benchmark.information.fisher import Bound, bound, stereo_bound
-from benchmark.information.pictures import SAMPLES, PictureInformation
+from benchmark.information.pictures import PictureInformation
 from benchmark.information.scans import ScanInformation
 from scenes.arrays import Floats
 from scenes.dataset import Dataset

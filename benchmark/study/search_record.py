@@ -103,7 +103,7 @@ class WorstRecord(Spec):
         if self.bound is None:
             return "The bound was not found."
         if self.bound.rotation_rad is None:
-            return "The bound is undetermined there: what was seen does not tell the pose, so nobody could have known it."
+            return "The bound is undetermined there: what was seen does not tell the pose, or the rendering's noise hides it."
         sigma_deg = math.degrees(self.bound.rotation_rad)
         return f"The light there leaves the attitude knowable to σ = {sigma_deg:.2g}° (its Cramér-Rao bound)."
 

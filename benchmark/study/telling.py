@@ -65,7 +65,7 @@ def _told(answers: Answers, found: Outcomes, frames: pd.DataFrame, is_light: boo
     is_lost = not np.isfinite(row["bound_rotation_rad"])
     what = "the light was good, the method failed"
     if is_light:
-        what = "nobody could have known" if is_lost else "the light took the most"
+        what = "the light left the pose undetermined" if is_lost else "the light took the most"
     said = answers.of(row)
     views = views_of(answers, row, said)
     return Telling(
@@ -85,7 +85,7 @@ def _bound(row: pd.Series, frames: pd.DataFrame) -> str:
     """The σ of a frame's attitude, where it stands among the study's, and how many of it the answer is off."""
     sigma = float(row["bound_rotation_rad"])
     if not np.isfinite(sigma):
-        return "undetermined: what was seen does not say the attitude"
+        return "undetermined: what was seen does not say the attitude, or noise of the rendering hides that it does"
     each = frames.drop_duplicates(["run", "sensor", "frame"])["bound_rotation_rad"].astype(np.float64)
     better, best = int((each < sigma).sum()), float(each.min())
     place = f"{_rounded(sigma / best)} times the best, better in {better} of {len(each)} frames" if better else "the best of all"

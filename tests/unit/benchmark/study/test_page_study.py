@@ -133,7 +133,7 @@ def test_telling_frames_come_with_their_pictures_and_figures(
     assert {"true", "answered"} <= {shape.kind for shape in view.shapes}
     undetermined = frames.assign(bound_rotation_rad=np.where(frames["frame"] == 4, np.nan, sigma))
     lost = list(telling(tmp_path, Outcomes(found.record, points, undetermined)))[-1]
-    assert (lost.heading, lost.frame) == ("One camera: nobody could have known", 4)
+    assert (lost.heading, lost.frame) == ("One camera: the light left the pose undetermined", 4)
     assert lost.bound.startswith("undetermined")
     assert list(telling(tmp_path / "elsewhere", found)) == []
     mostly = Outcomes(found.record, points, frames.assign(bound_rotation_rad=np.where(frames["frame"] < 3, np.nan, sigma)))

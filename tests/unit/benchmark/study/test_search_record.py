@@ -65,7 +65,7 @@ def test_the_bound_is_told_as_known_undetermined_or_not_found() -> None:
     at = {"run": "p", "frame": 0, "sensor": "nav"}
     known = record_of(trial(1.0), bound=WorstBound(**at, rotation_rad=np.radians(0.5)))
     assert "σ = 0.5°" in known.bound_sentence
-    assert "nobody could have known" in record_of(trial(1.0), bound=WorstBound(**at)).bound_sentence
+    assert "undetermined there" in record_of(trial(1.0), bound=WorstBound(**at)).bound_sentence
     assert "not found" in record_of(trial(1.0)).bound_sentence
 
 
