@@ -49,7 +49,7 @@ def worst(
     trials: Annotated[int, typer.Option(min=1, max=100_000, help="Points that are tried in all.")] = 60,
     sampler: Annotated[Literal["tpe", "cmaes"], typer.Option(help="What chooses the points after the first quarter.")] = "tpe",
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of the search, not of the pictures.")] = 0,
-    avoid_dark: Annotated[bool, typer.Option("--avoid-dark", help="Leave out lights in which nobody could know the pose.")] = False,
+    avoid_dark: Annotated[bool, typer.Option("--avoid-dark", help="Leave out lights that leave the pose next to unknown.")] = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

@@ -219,15 +219,18 @@ def report(folder: Path, console: Console) -> None:
     """Writes the page and says where it is."""
     from benchmark import report as page
     from benchmark.archive import require_datasets
+    from benchmark.study import search_page, search_record
     from benchmark.study.archive import is_study
 
     require_datasets(folder)
-    if is_study(folder):
+    if (folder / search_record.FILE).is_file():  # which is a study's folder too
+        console.say(f"the page: {search_page.write(folder).resolve()}")
+    elif is_study(folder):
         from benchmark.study import page as of_study
 
         console.say(f"the page: {of_study.write(folder).resolve()}")
-        return
-    console.say(f"the report: {page.write(folder).resolve()}")
+    else:
+        console.say(f"the report: {page.write(folder).resolve()}")
 
 
 def _warn_if_slow(console: Console) -> None:

@@ -24,16 +24,20 @@ def worst(
     console: Console,
 ) -> None:
     """Searches a study's ranges for the light that hurts a method most, prints what was found, writes the page."""
+    from benchmark import results
     from benchmark.study import search_page
     from benchmark.study.search_hunt import Hunt, narrowed
     from benchmark.study.search_run import worst as run
     from benchmark.study.spec import load_study
+    from benchmark.unstarted import unstarted
 
     study = load_study(name)
     hunt = Hunt(narrowed(study, method, modality, avoid_dark), method, modality, trials, seed, sampler, avoid_dark)
     folder = out or Path("out") / study.name / "worst" / method
     with console.stage(f"search {study.name} for {method}") as progress:
         found = run(hunt, folder, progress, _command(hunt, name, folder))
+    for sentence in unstarted(folder, results.read(folder)):
+        console.note(sentence)
     console.say(found.sentence)
     if found.worst is not None:
         console.say(found.bound_sentence)

@@ -90,11 +90,13 @@ class NumberFactor(_Ordered):
         return ""
 
     def baseline(self, tree: Tree) -> Value | None:
-        """What the scenario has: the number at the first path, or 1 of what is multiplied; None where it is no plain number."""
+        """What the scenario has: the one number at all paths, or 1 of what is multiplied; None where there is no one number."""
         if self.how == "times":
             return 1.0
-        value = found(tree, self.paths[0])[0]
-        return float(value) if isinstance(value, float | int) else None
+        values = [value for path in self.paths for value in found(tree, path)]
+        if any(isinstance(value, bool) or not isinstance(value, float | int) for value in values):
+            return None
+        return float(values[0]) if len(set(values)) == 1 else None
 
     def applied(self, tree: Tree, value: Value) -> Tree:
         """``tree`` at a level."""

@@ -62,12 +62,13 @@ def _score(study: Paired, draws: LevelDraws, level: int, method: int, bounds: di
 
 
 def _bounds(study: Paired, draws: LevelDraws, level: int) -> dict[str, Estimate]:
-    """Of the information limit at one level: its median, and in what share of the asked frames it is determined."""
+    """Of the information limit at one level: its median, frames where it is undetermined above all others, and their share."""
     columns = draws.levels.columns[level]
     columns = columns[columns >= 0]
     bound_rad, asked = study.panel.bound_rad[:, columns], study.panel.bound_asked[:, columns]
+    limits = np.where(asked & np.isnan(bound_rad), np.inf, bound_rad)
     return {
-        "bound_median_rad": study.estimate(medians(study.counts, bound_rad)),
+        "bound_median_rad": study.estimate(medians(study.counts, limits)),
         "bound_determined": study.estimate(_share(study, ~np.isnan(bound_rad), asked)),
     }
 

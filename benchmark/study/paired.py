@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmark.ranking_bootstrap import SHORTEST, Counts, bounds, counted, draw, sums
+from benchmark.ranking_bootstrap import SHORTEST, Counts, between, bounds, counted, draw, sums
 from benchmark.ranking_record import Estimate
 from benchmark.ranking_rule import RESAMPLES, SEED
 from benchmark.study.level_sets import LevelSet
@@ -25,14 +25,17 @@ class Paired:
     counts: Counts
 
     def estimate(self, samples: Floats) -> Estimate:
-        """From a statistic's rows (1 + draws,): NaN means that there is none, and a draw without one is left out."""
+        """From a statistic's rows (1 + draws,): NaN means that there is none, and a draw without one is left out.
+
+        Infinite is what no figure is above: None, as an upper end of an interval too.
+        """
         value, drawn = samples[0], samples[1:][~np.isnan(samples[1:])]
-        if np.isnan(value):
+        if not np.isfinite(value):
             return Estimate(value=None)
         if self.panel.units < SHORTEST or not drawn.size:
             return Estimate(value=float(value))
         low, high = bounds(drawn)
-        return Estimate(value=float(value), low=low, high=high)
+        return Estimate(value=float(value), low=low, high=high if np.isfinite(high) else None)
 
     def means(self, values: Floats) -> Floats:
         """(1 + draws, ...) means over the units of ``values`` (units, ...)."""
@@ -95,7 +98,7 @@ def _medians(counts: Counts, ascending: Floats) -> Floats:
         ascending[np.minimum(np.count_nonzero(cumulative <= place, axis=0), len(ascending) - 1)]
         for place in ((total - 1) // 2, total // 2)
     )
-    return np.where(total > 0, below + (above - below) / 2, np.nan)
+    return np.where(total > 0, between(below, above, 0.5), np.nan)
 
 
 def _level_means(values: Floats, levels: LevelSet) -> Floats:

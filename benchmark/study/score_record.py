@@ -27,9 +27,9 @@ class LevelScore(Spec):
 
     ``value``: a number in the factor's unit; ``direction``: to the light, a unit vector in the chaser's axes; neither where the
     scenario's own value is no level of the factor. ``availability``: share of right answers; ``charge``: mean over all frames;
-    ``rotation_median_deg``: of right answers alone. ``bound_median_rad``: of the information limit where it is determined, and
-    ``bound_determined`` in what share of the frames that were asked; they are the frames', not the method's. ``..._change``: paired
-    differences from ``against``, None where there is nothing to compare with.
+    ``rotation_median_deg``: of right answers alone. ``bound_median_rad``: of the information limit of the frames that were asked,
+    one that is undetermined above all others; ``bound_determined``: the share of the others. They are the frames', not the
+    method's. ``..._change``: paired differences from ``against``, None where there is nothing to compare with.
     """
 
     modality: Modality

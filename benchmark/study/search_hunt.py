@@ -7,6 +7,7 @@ from benchmark.study.collisions import lost
 from benchmark.study.search_proposals import Axis, Sampler
 from benchmark.study.spec import Study
 from benchmark.subjects import Modality
+from scenes.dataset_range import parse_frames
 from scenes.errors import UsageError, unknown
 from scenes.provenance import sha256_of_json, software_versions
 
@@ -51,5 +52,10 @@ def narrowed(study: Study, method: str, modality: Modality | None, avoid_dark: b
         raise UsageError(f"a search combines the factors that the study takes one at a time: {'; '.join(faults)}")
     alone = {"methods": {method: one}, "references": {}, "frozen": {}}
     design = "sphere" if study.design == "sphere" else "factorial"  # what is tried is no Sobol design
-    bounds = (study.bound_frames or "0") if avoid_dark else None
+    bounds = (study.bound_frames or _last(study)) if avoid_dark else None
     return study.model_copy(update={**alone, "design": design, "bound_frames": bounds})
+
+
+def _last(study: Study) -> str:
+    """The last of its frames, by place: the first ones may be a filter's to settle in."""
+    return str(len(parse_frames(study.frames, study.scenario.frame_count)) - 1)

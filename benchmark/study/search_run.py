@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from benchmark.progress import Progress
+from benchmark.run_bounds import FOLDER, forget
 from benchmark.study import record, search_record
 from benchmark.study.search import SearchRecord, search, spread
 from benchmark.study.search_hunt import Hunt
@@ -18,6 +19,8 @@ def worst(hunt: Hunt, out: Path, progress: Progress | None = None, command: str 
     """
     if (there := _finished(hunt, out)) is not None:
         return there
+    if not hunt.avoid_dark:  # those of another search would say which frame of the worst point is shown
+        forget(out, [path.stem for path in (out / FOLDER).glob("*.parquet")])
     record.write(out, record.record_of(hunt.study, command, {}))
     storage = out / f"trials-{hunt.identity[:10]}.journal"
     trials = Trials(hunt, out, hunt.study.scenario.model_dump(mode="json"))

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from benchmark import results
+from benchmark.console import Console
 from benchmark.study import search_page, search_trials
 from benchmark.study.search_hunt import Hunt, narrowed
 from benchmark.study.search_record import FILE, WorstRecord
 from benchmark.study.search_run import worst
 from benchmark.study.search_worst import PICTURE
 from benchmark.study.spec import load_study
+from benchmark.verbs import report
 from scenes.dataset import Dataset
 from scenes.errors import UsageError
 from tests.fly_around import FLY_AROUND
@@ -111,6 +113,8 @@ def test_the_page_shows_the_worst_frame(folder: Path, found: WorstRecord) -> Non
     assert "brighter left" not in found.sentence
     assert "http://" not in text.replace("http://www.w3.org", "")
     assert "https://" not in text
+    report(folder / "out", Console(quiet=True))
+    assert (folder / "out" / "report.html").read_text(encoding="utf-8") == text  # not the study's
     drawn = cv2.imread(str(folder / "out" / PICTURE))
     assert drawn is not None
     assert drawn.shape == (256, 1280, 3)  # the whole frame, twice as large

@@ -71,6 +71,17 @@ def test_levels_are_those_named_or_evenly_spread() -> None:
     assert spread.at(np.array([0.5])) == 1.0
 
 
+def test_a_scenario_has_a_number_where_all_its_places_have_that_one() -> None:
+    """Or a level equal to the first place's would be left out as the scenario's own."""
+    every = NumberFactor(title="x", paths=("target.parts.*.material.roughness",), levels=(0.1, 0.3))
+    assert every.baseline(TREE) is None
+    assert every.baseline(every.applied(TREE, 0.3)) == 0.3
+    two = NumberFactor(title="x", paths=("target.parts.0.material.roughness", "target.parts.1.material.roughness"), levels=(1.0,))
+    assert two.baseline(TREE) is None
+    assert NumberFactor(title="x", paths=two.paths[:1], levels=(1.0,)).baseline(TREE) == 0.1
+    assert NumberFactor(title="x", paths=two.paths, levels=(1.0,), how="times").baseline(TREE) == 1.0
+
+
 @pytest.mark.parametrize(
     "wrong",
     [

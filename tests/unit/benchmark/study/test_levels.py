@@ -104,15 +104,18 @@ def test_every_direction_is_a_level(sphere: object, hardness: np.ndarray) -> Non
 
 
 def test_the_bound_is_of_the_frames_that_were_asked_and_is_known(ladder: Callable, hardness: np.ndarray) -> None:
-    bound = lambda p, f: np.nan if p["gain"] > 2 and f % 4 else 0.01 * p["gain"] * (1 + f)  # noqa: E731
+    bound = lambda p, f: np.nan if p["gain"] > 2 and f % 4 > 2 else 0.01 * p["gain"] * (1 + f)  # noqa: E731
     found = ladder().outcomes(_answers(hardness), frames=12, bound=bound)
     asked = found.frames["frame"] < 8
     frames = found.frames.assign(bound_asked=asked, bound_determined=found.frames["bound_determined"] & asked)
     first, *_, last = _of(Outcomes(found.record, found.points, frames), "gain")
     assert first.bound_median_rad.value == pytest.approx(0.01 * np.median(1 + np.arange(8)))
     assert (first.bound_determined.value, first.bound_determined.low) == (1.0, 1.0)
-    assert last.bound_median_rad.value == pytest.approx(0.08 * np.median([1, 5]))
-    assert last.bound_determined.value == pytest.approx(2 / 8)
+    assert last.bound_median_rad.value == pytest.approx(0.08 * np.median([1, 2, 3, 5, 6, 7, np.inf, np.inf]))
+    assert last.bound_determined.value == pytest.approx(6 / 8)
+    most = frames.assign(bound_rotation_rad=frames["bound_rotation_rad"].where(frames["frame"] < 3))
+    lost = _of(Outcomes(found.record, found.points, most), "gain")[0]
+    assert (lost.bound_median_rad.value, lost.bound_median_rad.high) == (None, None)
     (nothing, *_) = _of(ladder().outcomes(_answers(hardness)), "gain")
     assert nothing.bound_median_rad.value is nothing.bound_determined.value is None
 

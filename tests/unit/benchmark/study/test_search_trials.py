@@ -145,7 +145,7 @@ def test_only_the_method_runs_and_bounds_only_where_they_are_needed(study: Study
     plain, dark = (narrowed(study, "two", None, avoid_dark) for avoid_dark in (False, True))
     assert list(plain.methods) == ["two"]
     assert plain.bound_frames is None
-    assert dark.bound_frames == "0"
+    assert dark.bound_frames == "1"  # the last: the first ones may be a filter's to settle in
     assert narrowed(study, "one", "mono", False).methods["one"].modality == "mono"
 
 
