@@ -1,7 +1,6 @@
 """The bound on the pose from one picture: differences of its noise-free signal, weighted with what a digital number tells."""
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from scenes.arrays import Floats
 from scenes.scenario import Scenario
 
 STEP_PX = 0.15  # largest motion in the picture of one half of a difference
-FINER = 4  # times as many samples where the rendering's noise may be what hides the pose
 _SEEDS = (0x1F0A, 0x1F0B)  # of two renderings that share nothing; neither is a data set's own
 
 
@@ -36,15 +34,11 @@ class PictureInformation:
     """One camera of a scenario."""
 
     def __init__(self, scenario: Scenario, sensor: str, samples: int = SAMPLES, light_direction: bool = False) -> None:
-        """Loads the target; a frame then costs 24 pictures, and 8 more with ``light_direction``.
-
-        A frame whose pose comes out as undetermined, though something is lit, is rendered once more with ``FINER`` times as many.
-        """
+        """Loads the target; a frame then costs 24 pictures, and 8 more with ``light_direction``."""
         from renderer.neighbours import Neighbours
 
         self._light_direction = light_direction
         self._neighbours: Any = Neighbours(scenario, sensor, samples)
-        self._finer = partial(PictureInformation, scenario, sensor, FINER * samples, light_direction)
         self._detector = scenario.sensors[sensor].detector
         self._tables: dict[float, DigitalInformation] = {}
 
@@ -75,10 +69,6 @@ class PictureInformation:
 
     def bounds(self, frame: int, exposure_s: float) -> "PictureBounds":
         """The bound of one frame and its variants."""
-        found = self._bounds(frame, exposure_s)
-        return self._finer()._bounds(frame, exposure_s) if found.may_be_hidden else found
-
-    def _bounds(self, frame: int, exposure_s: float) -> "PictureBounds":
         found = self.derivatives(frame, exposure_s)
         return bounds_of(found, self.weight(found, exposure_s))
 
@@ -99,12 +89,14 @@ class PictureBounds:
     model_5: Bound
     inflation: float
     light_direction: Bound | None = None
-    is_lit: bool = True
 
     @property
-    def may_be_hidden(self) -> bool:
-        """Whether the pose is undetermined in a picture that shows something: noise of the rendering can do that, too."""
-        return self.is_lit and not self.known.is_determined
+    def taken(self) -> Bound:
+        """``known``, or ``rendered`` where the rendering's noise hides whether it is determined.
+
+        Every pixel counts less in ``rendered``, so it is nowhere below ``known`` but for noise, of which it has less.
+        """
+        return self.known if self.known.is_determined else self.rendered
 
 
 def bounds_of(found: Derivatives, weight: Floats) -> PictureBounds:
@@ -125,7 +117,6 @@ def bounds_of(found: Derivatives, weight: Floats) -> PictureBounds:
         model_5=bound(information(vague, found.first, found.second)),
         inflation=inflation,
         light_direction=None if found.light is None else _unknown(found, weight, *found.light),
-        is_lit=lit,
     )
 
 

@@ -31,7 +31,8 @@ def bounds_table(
     light_direction: bool = False,
 ) -> pd.DataFrame:
     """A row per (frame, sensor): ``information_<a>_<b>`` (the upper triangle), ``sigma_<a>``, both in rad and m in the sensor's
-    axes, and their sums ``sigma_rotation_rad``, ``sigma_position_m``; NaN σ where the pose is undetermined.
+    axes, and their sums ``sigma_rotation_rad``, ``sigma_position_m``; NaN σ where the pose is undetermined. Of a camera all this is
+    ``PictureBounds.taken``; where ``least_eigenvalue`` is zero, below or NaN, the variant ``rendered``.
 
     ``sensors``: cameras, rigs and LIDARs, all of them where left out. ``samples``: of each pixel in each of the renderings. Of a
     camera also ``*_rendered``, ``*_gain_and_offset``, ``*_model_5`` and, where asked for, ``*_light_direction`` (``PictureBounds``)
@@ -87,7 +88,7 @@ def _makers(
 
 def _camera_row(pictures: PictureInformation, frame: int, exposure_s: float) -> dict[str, float]:
     found = pictures.bounds(frame, exposure_s)
-    row = dict(columns_of(found.known)) | {"least_eigenvalue": found.known.least_eigenvalue, "inflation": found.inflation}
+    row = dict(columns_of(found.taken)) | {"least_eigenvalue": found.known.least_eigenvalue, "inflation": found.inflation}
     for name in ("rendered", "gain_and_offset", "model_5", "light_direction"):
         variant: Bound | None = getattr(found, name)
         if variant is not None:

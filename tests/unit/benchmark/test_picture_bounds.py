@@ -1,36 +1,32 @@
-"""A pose that noise of the rendering may hide is looked for once more; one in a black picture is not."""
-
-from types import SimpleNamespace
+"""Where noise of the rendering hides a pose, the variant is taken that counts it as noise of the picture."""
 
 import numpy as np
 import pytest
 
-from benchmark.information.pictures import FINER, Derivatives, PictureBounds, PictureInformation, bounds_of
-from renderer import neighbours
+from benchmark.information.pictures import Derivatives, PictureBounds, bounds_of
 
 
-def _seen(samples: int, brightness_e: float) -> PictureBounds:
-    """Six pixels that each tell one parameter, behind noise that 16 samples leave and 64 do not."""
-    signal, noise = np.eye(6), 2.0 * np.ones((6, 6)) * (samples < 64)
-    mean = np.full(6, brightness_e)
-    return bounds_of(Derivatives(signal + noise, signal - noise, mean, np.ones(6)), np.ones(6))
+def _bounds(brightness_e: float, noise: float, signal: float = 1.0) -> PictureBounds:
+    """Six pixels tell one parameter each; a seventh, that tells nothing, is rendered with noise of opposite signs."""
+    first = np.hstack([signal * np.eye(6), np.full((6, 1), noise)])
+    second = np.hstack([signal * np.eye(6), np.full((6, 1), -noise)])
+    mean, variance = np.full(7, brightness_e), np.array([*np.full(6, 1e-3), 1e3])
+    return bounds_of(Derivatives(first, second, mean, variance), np.ones(7))
 
 
-@pytest.fixture
-def rendered(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """The samples of every camera that is made, of which none renders."""
-    made: list[int] = []
-    monkeypatch.setattr(neighbours, "Neighbours", lambda _scenario, _sensor, samples: made.append(samples))
-    return made
+def test_a_determined_bound_is_taken_as_it_is() -> None:
+    found = _bounds(100.0, noise=0.1)
+    assert found.taken is found.known
+    assert found.known.rotation_rad == pytest.approx(np.sqrt(3), rel=0.1)
 
 
-@pytest.mark.parametrize(("samples", "brightness_e", "asked"), [(16, 100.0, [16, 64]), (16, 0.0, [16]), (64, 100.0, [64])])
-def test_a_hidden_pose_is_rendered_more_finely(
-    rendered: list[int], monkeypatch: pytest.MonkeyPatch, samples: int, brightness_e: float, asked: list[int]
-) -> None:
-    monkeypatch.setattr(PictureInformation, "_bounds", lambda *_: _seen(rendered[-1], brightness_e))
-    scenario = SimpleNamespace(sensors={"nav": SimpleNamespace(detector=None)})
-    found = PictureInformation(scenario, "nav", samples).bounds(0, 1e-3)  # type: ignore[arg-type]
-    assert rendered == asked
-    assert found.known.is_determined == (asked[-1] == 64)
-    assert FINER == 4
+def test_one_that_noise_hides_is_the_rendered_one() -> None:
+    found = _bounds(100.0, noise=0.9)
+    assert found.known.least_eigenvalue <= 0
+    assert found.taken is found.rendered
+    assert found.taken.is_determined
+    assert found.taken.rotation_rad == pytest.approx(np.sqrt(3), rel=0.02)
+
+
+def test_what_no_pixel_tells_stays_undetermined() -> None:
+    assert not _bounds(0.0, noise=0.0, signal=0.0).taken.is_determined
