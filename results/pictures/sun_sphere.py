@@ -35,7 +35,7 @@ def main() -> None:
         draw(pair, mine, what)
         middle = (pair[0].get_position().x0 + pair[1].get_position().x1) / 2
         figure.text(middle, pair[0].get_position().y1 + 0.045, title, ha="center", fontsize=11)
-    words = "σ of the attitude: 0.0003° (bright) to 0.03° (dark), hatched: undetermined. Right: all frames (bright) to none (dark)."
+    words = "σ of the attitude: 0.0003° (bright) to 0.06° (dark), hatched: undetermined. Right: all frames (bright) to none (dark)."
     figure.text(0.5, 0.035, words, ha="center")
     figure.savefig(HERE / "sun-sphere.png", dpi=110, facecolor=PAPER, bbox_inches="tight")
 
@@ -43,7 +43,7 @@ def main() -> None:
 def draw(pair: np.ndarray, levels: list[LevelScore], what: str) -> None:
     """Both discs of one map."""
     directions = np.array([one.direction for one in levels])
-    scale = LogNorm(0.0003, 0.03) if what == "bound" else Normalize(0, 1)
+    scale = LogNorm(0.0003, 0.06) if what == "bound" else Normalize(0, 1)
     colours = plt.get_cmap("cividis_r" if what == "bound" else "cividis")
     for one, halves in zip(levels, cells(directions), strict=True):
         sigma = one.bound_median_rad.value
