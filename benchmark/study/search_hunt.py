@@ -1,12 +1,14 @@
 """What is searched for the worst light, and how: a study with one method alone."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from benchmark.methods import source_digest
 from benchmark.study.collisions import lost
 from benchmark.study.search_proposals import Axis, Sampler
-from benchmark.study.spec import Study
+from benchmark.study.spec import Study, case_of
 from benchmark.subjects import Modality
+from benchmark.suite import Method
 from scenes.dataset_range import parse_frames
 from scenes.errors import UsageError, unknown
 from scenes.provenance import sha256_of_json, software_versions
@@ -40,7 +42,10 @@ class Hunt:
 
 
 def narrowed(study: Study, method: str, modality: Modality | None, avoid_dark: bool) -> Study:
-    """``study`` with this method alone, without bounds unless dark lights are to be left out. Raises ``UsageError``."""
+    """``study`` with this method alone and what it answers, without bounds unless dark lights are to be left out.
+
+    Raises ``UsageError``.
+    """
     if method not in study.methods:
         raise UsageError(unknown("method of this study", method, study.methods))
     one = study.methods[method]
@@ -50,10 +55,19 @@ def narrowed(study: Study, method: str, modality: Modality | None, avoid_dark: b
         one = one.model_copy(update={"modality": modality})
     if study.design == "one-at-a-time" and (faults := lost(study.factors, study.scenario.model_dump(mode="json"))):
         raise UsageError(f"a search combines the factors that the study takes one at a time: {'; '.join(faults)}")
-    alone = {"methods": {method: one}, "references": {}, "frozen": {}}
+    alone = {"methods": {method: one}, "references": {}, "frozen": {}} | _asked(study, one)
     design = "sphere" if study.design == "sphere" else "factorial"  # what is tried is no Sobol design
     bounds = (study.bound_frames or _last(study)) if avoid_dark else None
     return study.model_copy(update={**alone, "design": design, "bound_frames": bounds})
+
+
+def _asked(study: Study, one: Method) -> dict[str, Any]:
+    """Of what ``study`` asks for that which the method answers: the others' frames are no part of the search."""
+    subjects = [subject for subject in case_of(study, "p", "", study.scenario).subjects if one.answers(subject)]
+    if not subjects:
+        raise UsageError(f"the study asks for nothing that a method for {one.modality} answers")
+    features = tuple(subject.feature for subject in subjects if subject.feature is not None)
+    return {"features": features, "lidar": next((subject.lidar for subject in subjects if subject.lidar is not None), None)}
 
 
 def _last(study: Study) -> str:

@@ -12,7 +12,7 @@ from benchmark.study.points import Point
 from benchmark.study.search_hunt import Hunt, narrowed
 from benchmark.study.search_proposals import Tried
 from benchmark.study.search_trials import Trials
-from benchmark.study.spec import Study, load_study
+from benchmark.study.spec import Study, case_of, load_study, suite_of
 from scenes.errors import UsageError
 from tests.fly_around import FLY_AROUND
 
@@ -163,3 +163,19 @@ def test_searches_of_different_things_are_not_the_same(study: Study) -> None:
 def test_what_cannot_be_searched_is_refused(study: Study, method: str, modality: str | None, says: str) -> None:
     with pytest.raises(UsageError, match=says):
         narrowed(study, method, modality, False)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["sun-sphere", "halogen-arc", "exposure-ladder", "roughness", "lidar-grazing", "all-factors"])
+def test_every_method_of_the_library_can_be_searched_alone(name: str) -> None:
+    """A study asks for rectangles and rings; its search for what the one method answers."""
+    whole = load_study(name)
+    for title, method in whole.methods.items():
+        alone = narrowed(whole, title, None, True)
+        case = case_of(alone, "p0", "", alone.scenario)
+        assert {subject.modality for subject in case.subjects} <= {method.modality or "lidar"}
+        assert list(suite_of(alone, (case,)).methods) == [title]
+
+
+def test_what_nobody_is_asked_for_is_no_search(study: Study) -> None:
+    with pytest.raises(UsageError, match="asks for nothing that a method for lidar answers"):
+        narrowed(study, "one", "lidar", False)
