@@ -5,11 +5,11 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmark import processes
 from benchmark.case import CaseRun
 from benchmark.limits import Limits
 from benchmark.progress import Progress
 from benchmark.suite import Method
+from renderer import processes
 from scenes.dataset import Dataset
 
 Stages = Callable[[str], AbstractContextManager[Progress | None]]

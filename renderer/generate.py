@@ -1,10 +1,7 @@
 """Scenario + frames → data set: the only loop over frames."""
 
-import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +10,7 @@ from renderer import worker
 from renderer.emitters import apparent_radius_rad
 from renderer.masks import Light
 from renderer.photograph import Photographer
+from renderer.processes import done_in_processes
 from renderer.quality import PRESETS
 from renderer.ranging import Scanner
 from renderer.variant import Backend, probe
@@ -22,7 +20,7 @@ from scenes.dataset_frame import FrameRecord
 from scenes.dataset_lidar import chaser_entry, lidar_entry
 from scenes.dataset_manifest import Manifest, calibration, rig_entry
 from scenes.dataset_writer import DatasetWriter
-from scenes.errors import HardlightError, UsageError
+from scenes.errors import UsageError
 from scenes.lighting import SceneLight
 from scenes.scenario import Quality, Scenario, Scene, realize
 from scenes.spectrum import band_irradiance
@@ -189,20 +187,9 @@ class _Job:
 
 def _in_processes(job: _Job, frames: Sequence[int], workers: int) -> Iterator[int]:
     """Fresh processes (Mitsuba cannot be forked). A worker that dies ends the run; finished frames stay."""
-    spawn = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(workers, len(frames)), mp_context=spawn, initializer=_start_worker, initargs=(job,))
-    try:
-        with worker.interrupts_held():  # the first frame that is handed in starts the processes
-            asked = [pool.submit(_work, frame) for frame in frames]
-        for done in as_completed(asked):
-            yield done.result()
-    except BrokenProcessPool:
-        raise HardlightError(
-            "a worker process died (killed, out of memory, or started from a script without "
-            "`if __name__ == '__main__':`); finished frames are kept, go on with --resume"
-        ) from None
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    advice = "finished frames are kept, go on with --resume"
+    for frame, _ in done_in_processes(_work, frames, workers, _start_worker, (job,), advice):
+        yield frame
 
 
 _worker: dict[str, Any] = {}  # one process, one job
@@ -213,6 +200,5 @@ def _start_worker(job: _Job) -> None:
     _worker.update(writer=job.writer, maker=FrameMaker(job.scenario))
 
 
-def _work(frame: int) -> int:
+def _work(frame: int) -> None:
     _worker["writer"].write(_worker["maker"].record(frame))
-    return frame

@@ -9,7 +9,6 @@ from benchmark import bench, results
 from benchmark.case import Case, CaseRun
 from benchmark.entries import answer_and_judge
 from benchmark.files import publish
-from benchmark.processes import done_in_processes
 from benchmark.progress import Progress
 from benchmark.results import Results
 from benchmark.run_bounds import forget
@@ -17,6 +16,7 @@ from benchmark.study import record
 from benchmark.study.points import Point, points, table
 from benchmark.study.spec import Study, case_of, suite_of
 from benchmark.suite import Suite
+from renderer.processes import done_in_processes
 from scenes.errors import UsageError
 
 

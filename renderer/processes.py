@@ -19,10 +19,11 @@ def done_in_processes(
     workers: int,
     start: Callable[..., None] = belong,
     arguments: tuple[Any, ...] = (),
+    advice: str = "what is finished is kept, try --workers 1",
 ) -> Iterator[tuple[Job, Outcome]]:
     """Every job with what ``work`` makes of it, as they end; ``start(*arguments)`` readies a process, which belongs to this one.
 
-    The first error that ``work`` raises ends the rest. Raises ``HardlightError`` where a process dies.
+    The first error that ``work`` raises ends the rest. Raises ``HardlightError`` with ``advice`` where a process dies.
     """
     spawn = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(min(workers, max(1, len(jobs))), mp_context=spawn, initializer=start, initargs=arguments)
@@ -32,6 +33,9 @@ def done_in_processes(
         for future in as_completed(futures):
             yield futures[future], future.result()
     except BrokenProcessPool:
-        raise HardlightError("a worker process died (killed or out of memory); what is finished is kept, try --workers 1") from None
+        raise HardlightError(
+            "a worker process died (killed, out of memory, or started from a script without "
+            f"`if __name__ == '__main__':`); {advice}"
+        ) from None
     finally:
         pool.shutdown(wait=True, cancel_futures=True)

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from benchmark.processes import done_in_processes
+from renderer.processes import done_in_processes
 from scenes.errors import HardlightError
 
 PROGRAM = """
 import os, time
 from pathlib import Path
-from benchmark.processes import done_in_processes
+from renderer.processes import done_in_processes
 
 time.sleep(0.5 if __name__ != "__main__" else 0.0)  # a worker that imports something large
 
